@@ -1,0 +1,69 @@
+//! Size and conditioning of a mechanism.
+
+use nalgebra::Vector3;
+
+use super::{Linearization, Mechanism, ParameterRole};
+use crate::conditions::Conditions;
+use crate::pose::Pose;
+
+/// One of the two bodies that the legs join.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// The moving one; points $a_i$.
+    Platform,
+    /// The standing one; points $b_i$.
+    Base,
+}
+
+impl Body {
+    /// Leg and axis of a parameter that is a coordinate of one of this body's points.
+    pub fn coordinate(self, role: ParameterRole) -> Option<(usize, usize)> {
+        match (self, role) {
+            (Self::Platform, ParameterRole::PlatformPoint { leg, axis })
+            | (Self::Base, ParameterRole::BasePoint { leg, axis }) => Some((leg, axis.index())),
+            _ => None,
+        }
+    }
+
+    /// The body's points under the parameters `c`, by leg; legs without a point are skipped.
+    pub fn points<M: Mechanism + ?Sized>(self, mechanism: &M, c: &[f64]) -> Vec<(usize, Vector3<f64>)> {
+        let mut points: Vec<(usize, Vector3<f64>)> = Vec::new();
+        for (spec, value) in mechanism.parameters().iter().zip(c) {
+            if let Some((leg, axis)) = self.coordinate(spec.role) {
+                if points.last().is_none_or(|(last, _)| *last != leg) {
+                    points.push((leg, Vector3::zeros()));
+                }
+                if let Some((_, point)) = points.last_mut() {
+                    point[axis] = *value;
+                }
+            }
+        }
+        points
+    }
+}
+
+/// Mean distance of the platform points from their centroid, m: the arm by which an angle becomes a length.
+/// Mechanisms without platform points count as one metre.
+pub fn characteristic_length<M: Mechanism + ?Sized>(mechanism: &M) -> f64 {
+    let points = Body::Platform.points(mechanism, mechanism.values());
+    let n = points.len().max(1) as f64;
+    let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / n;
+    let mean = points.iter().map(|(_, p)| (p - centre).norm()).sum::<f64>() / n;
+    if mean > 0.0 { mean } else { 1.0 }
+}
+
+/// Condition number of $J_1$ with the angles scaled by the [`characteristic_length`]; infinite at a
+/// singularity.
+pub fn condition<M: Mechanism + ?Sized>(mechanism: &M, c: &[f64], joints: &[f64], pose: &Pose, at: &Conditions) -> f64 {
+    let mut work = Linearization::sized_for(mechanism);
+    mechanism.linearize(c, joints, pose, at, &mut work);
+    let size = characteristic_length(mechanism);
+    for k in 3..6 {
+        work.motion.column_mut(k).unscale_mut(size);
+    }
+    if work.motion.iter().any(|v| !v.is_finite()) {
+        return f64::INFINITY;
+    }
+    let sigma = work.motion.singular_values();
+    sigma.max() / sigma.min()
+}

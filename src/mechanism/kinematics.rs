@@ -1,0 +1,160 @@
+//! Kinematics of any mechanism from its closure equations.
+
+use nalgebra::{DMatrix, Matrix6, Vector6};
+
+use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
+use crate::conditions::Conditions;
+use crate::pose::Pose;
+use crate::solve::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
+
+/// Smallest part of the way that [`follow_joints`] tries in one step.
+const SHORTEST_PART: f64 = 1.0 / 256.0;
+/// A solution farther from its seed than this is taken for another branch until it was followed there, rad.
+const FAR_TURN: f64 = 1.0;
+
+/// Solves for the pose of `joints` on the branch of `seed`.
+///
+/// `solve(joints, seed)` is one Newton run. Its answer is taken as it is if the platform turned by less than
+/// a radian and $\det J_1$ has the sign `side` (that of home; between the two signs lies a singularity). If
+/// not, the joints are led from those of the seed to the wanted ones in steps, so that the solution stays on
+/// the branch; steps are halved when one fails.
+///
+/// # Errors
+/// [`KinematicsError::OutOfReach`] with the part of the way that could be followed.
+pub fn follow_joints(
+    joints: &[f64],
+    seed: &Pose,
+    seed_joints: impl FnOnce() -> Result<Vec<f64>, KinematicsError>,
+    side: f64,
+    mut solve: impl FnMut(&[f64], &Pose) -> Result<NewtonSolution<Pose>, NewtonError>,
+) -> Result<Pose, KinematicsError> {
+    if joints.iter().any(|v| !v.is_finite()) || !seed.is_finite() {
+        return Err(KinematicsError::NotFinite { what: "a joint coordinate or the starting pose".into() });
+    }
+    let near = |from: &Pose, to: &NewtonSolution<Pose>| {
+        let cos = 0.5 * ((to.point.rotation.matrix().transpose() * from.rotation.matrix()).trace() - 1.0);
+        to.determinant * side >= 0.0 && cos > FAR_TURN.cos()
+    };
+    match solve(joints, seed) {
+        Ok(found) if near(seed, &found) => return Ok(found.point),
+        Err(NewtonError::NotFinite { .. }) => {
+            return Err(KinematicsError::NotFinite { what: "the closure at these joints".into() });
+        }
+        _ => {}
+    }
+    let start = seed_joints()?;
+    let (mut pose, mut done, mut part) = (*seed, 0.0_f64, 0.25_f64);
+    let mut between = start.clone();
+    while done < 1.0 {
+        let next = (done + part).min(1.0);
+        for ((value, from), to) in between.iter_mut().zip(&start).zip(joints) {
+            *value = from + next * (to - from);
+        }
+        let cause = match solve(&between, &pose) {
+            Ok(found) if near(&pose, &found) => {
+                pose = found.point;
+                done = next;
+                part *= 2.0;
+                continue;
+            }
+            Ok(found) => NewtonError::Singular { iterations: found.iterations, pivot_ratio: 0.0 },
+            Err(cause) => cause,
+        };
+        part *= 0.5;
+        if part < SHORTEST_PART {
+            return Err(KinematicsError::OutOfReach { percent: 100.0 * done, cause });
+        }
+    }
+    Ok(pose)
+}
+
+/// The closure equations of any mechanism as six equations: for $m > 6$ rows the least-squares pose, through
+/// the QR decomposition of $J_1$.
+struct ClosureProblem<'a, M: ?Sized> {
+    mechanism: &'a M,
+    c: &'a [f64],
+    joints: &'a [f64],
+    at: &'a Conditions,
+    work: &'a mut Linearization,
+}
+
+impl<M: Mechanism + ?Sized> NewtonProblem for ClosureProblem<'_, M> {
+    type Point = Pose;
+
+    fn linearize(&mut self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
+        self.mechanism.linearize(self.c, self.joints, pose, self.at, self.work);
+        if self.work.motion.nrows() == 6 {
+            residual.copy_from(&self.work.residual);
+            jacobian.copy_from(&self.work.motion);
+            return;
+        }
+        let qr = self.work.motion.clone().qr();
+        let mut rotated = self.work.residual.clone();
+        qr.q_tr_mul(&mut rotated);
+        residual.copy_from(&rotated.rows(0, 6));
+        jacobian.copy_from(&qr.r());
+    }
+
+    fn step(&self, pose: &Pose, delta: &Vector6<f64>) -> Pose {
+        pose.moved(delta)
+    }
+}
+
+/// Forward kinematics of any mechanism from its closure equations.
+///
+/// # Errors
+/// [`KinematicsError`]; see [`Mechanism::forward`].
+pub fn forward_by_closure<M: Mechanism + ?Sized>(
+    mechanism: &M,
+    c: &[f64],
+    joints: &[f64],
+    at: &Conditions,
+    seed: &Pose,
+) -> Result<Pose, KinematicsError> {
+    let expected = mechanism.joints().len();
+    if joints.len() != expected {
+        return Err(KinematicsError::JointCount { expected, found: joints.len() });
+    }
+    let mut work = Linearization::sized_for(mechanism);
+    follow_joints(
+        joints,
+        seed,
+        || mechanism.inverse(c, seed, at),
+        0.0,
+        |joints, seed| {
+            let problem = ClosureProblem { mechanism, c, joints, at, work: &mut work };
+            newton(problem, *seed, NewtonOptions::default())
+        },
+    )
+}
+
+/// Motion block of any mechanism from its closure equations: $-J_1^+ [J_2, J_j]$.
+///
+/// # Errors
+/// [`KinematicsError::Singular`] where $J_1$ has no full rank.
+pub fn motion_block_by_closure<M: Mechanism + ?Sized>(
+    mechanism: &M,
+    c: &[f64],
+    joints: &[f64],
+    pose: &Pose,
+    at: &Conditions,
+    out: &mut MotionBlock,
+) -> Result<(), KinematicsError> {
+    let mut work = Linearization::sized_for(mechanism);
+    mechanism.linearize(c, joints, pose, at, &mut work);
+    let qr = work.motion.qr();
+    let upper = qr.r();
+    let pivots = upper.diagonal().abs();
+    let pivot_ratio = pivots.min() / pivots.max();
+    if !(pivot_ratio > 1e-12) {
+        return Err(KinematicsError::Singular { pivot_ratio });
+    }
+    let apply = |mut rhs: DMatrix<f64>| {
+        qr.q_tr_mul(&mut rhs);
+        upper.solve_upper_triangular(&rhs.rows(0, 6).into_owned())
+    };
+    let singular = || KinematicsError::Singular { pivot_ratio };
+    out.parameters.copy_from(&-apply(work.parameters).ok_or_else(singular)?);
+    out.joints.copy_from(&-apply(work.joints).ok_or_else(singular)?);
+    Ok(())
+}

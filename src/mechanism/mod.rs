@@ -1,0 +1,153 @@
+//! Mechanisms: what they are made of, and how joints, parameters and pose hang together.
+//!
+//! A parallel mechanism is a set of $m ≥ 6$ **closure equations** $f(q, h, C) = 0$ in the pose $q$, the joint
+//! coordinates $h$ and the kinematic parameters $C$. Everything else follows from their derivatives
+//!
+//! | symbol | derivative along | size | code |
+//! |---|---|---|---|
+//! | $J_1 = ∂f/∂q$ | small motion $(δt, δω)$ of the platform | m × 6 | [`Linearization::motion`] |
+//! | $J_2 = ∂f/∂C$ | parameters | m × L | [`Linearization::parameters`] |
+//! | $J_j = ∂f/∂h$ | joints | m × n | [`Linearization::joints`] |
+//! | $J_b = -J_1^{+} J_2$ | motion per parameter, eq. (23) with the sign of eq. (17) | 6 × L | [`MotionBlock::parameters`] |
+//!
+//! The paper drops the minus between eqs. (17) and (18); taken literally its iteration diverges. Derivatives
+//! are along small motions (see [`crate::pose`]); multiply by
+//! [`PoseConvention::rates`](crate::pose::PoseConvention::rates) for the paper's coordinates.
+//!
+//! [`Mechanism`] is the trait. It does not assume six legs, prismatic joints, 42 parameters or square
+//! closures: a mechanism of lower mobility states its structural constraints as further rows, a redundant one
+//! has more rows than six. [`SixHardpoint`] is the paper's mechanism in closed form. A consumer's own
+//! mechanism states its closure and derivatives and gets forward kinematics, motion blocks and, through
+//! them, identification; the suite [`crate::conformance`] compares every derivative with differences.
+
+mod characteristics;
+mod error;
+mod kinematics;
+mod parameter;
+mod six_hardpoint;
+mod workspace;
+
+use std::any::Any;
+use std::fmt::Debug;
+
+use nalgebra::{DMatrix, DVector, Matrix6xX};
+
+pub use characteristics::{Body, characteristic_length, condition};
+pub use error::{GeometryError, KinematicsError};
+pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure};
+pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
+pub use six_hardpoint::{Leg, SixHardpoint};
+pub use workspace::Workspace;
+
+use crate::conditions::Conditions;
+use crate::pose::Pose;
+
+/// A parallel mechanism with closure $f(q, h, C) = 0$.
+///
+/// Methods take the parameters `c` as an argument, in the order of [`parameters`](Self::parameters), so that
+/// an identification can try values without building mechanisms. All numbers are SI.
+pub trait Mechanism: Any + Debug + Send + Sync {
+    /// What people call it.
+    fn name(&self) -> &str;
+
+    /// Name, unit, nominal value, tolerance and role of each parameter: the order of $C$, eq. (15).
+    fn parameters(&self) -> &[ParameterSpec];
+
+    /// The parameter values of this very mechanism (nominal or calibrated), in the order of
+    /// [`parameters`](Self::parameters).
+    fn values(&self) -> &[f64];
+
+    /// The same mechanism with other parameter values.
+    ///
+    /// # Errors
+    /// [`GeometryError`] if no mechanism has these values.
+    fn with_values(&self, c: &[f64]) -> Result<Box<dyn Mechanism>, GeometryError>;
+
+    /// Name, dimension and stroke of each joint coordinate.
+    fn joints(&self) -> &[JointSpec];
+
+    /// The pose from which forward kinematics starts and about which the workspace lies.
+    fn home(&self) -> Pose;
+
+    /// Number $m ≥ 6$ of closure equations.
+    fn equations(&self) -> usize;
+
+    /// The closure residual and its three Jacobians at a pose, in one pass.
+    ///
+    /// `out` has the sizes of [`Linearization::sized_for`] and is overwritten. Where there is no value the
+    /// entries are NaN; callers check.
+    fn linearize(&self, c: &[f64], joints: &[f64], pose: &Pose, at: &Conditions, out: &mut Linearization);
+
+    /// Inverse kinematics (eq. 1): the joints to command for a pose.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] if the pose has no joints.
+    fn inverse(&self, c: &[f64], pose: &Pose, at: &Conditions) -> Result<Vec<f64>, KinematicsError>;
+
+    /// Forward kinematics (eqs. 4–11): the pose that the joints lead to, on the branch of `seed`.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] with numbers if the joints are out of reach, the pose is singular or a number is
+    /// not finite; a result is always a root.
+    fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError>;
+
+    /// Motion of the platform per unit of each parameter ($J_b$, eq. 23) and of each joint.
+    ///
+    /// # Errors
+    /// [`KinematicsError::Singular`] where $J_1$ has no inverse.
+    fn motion_block(
+        &self,
+        c: &[f64],
+        joints: &[f64],
+        pose: &Pose,
+        at: &Conditions,
+        out: &mut MotionBlock,
+    ) -> Result<(), KinematicsError> {
+        motion_block_by_closure(self, c, joints, pose, at, out)
+    }
+}
+
+/// Closure residual and Jacobians at one pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linearization {
+    /// $f$ (m).
+    pub residual: DVector<f64>,
+    /// $J_1 = ∂f/∂(δt, δω)$ (m × 6).
+    pub motion: DMatrix<f64>,
+    /// $J_2 = ∂f/∂C$ (m × L).
+    pub parameters: DMatrix<f64>,
+    /// $∂f/∂h$ (m × n).
+    pub joints: DMatrix<f64>,
+}
+
+impl Linearization {
+    /// Zeros of the sizes that `mechanism` needs.
+    pub fn sized_for<M: Mechanism + ?Sized>(mechanism: &M) -> Self {
+        let m = mechanism.equations();
+        Self {
+            residual: DVector::zeros(m),
+            motion: DMatrix::zeros(m, 6),
+            parameters: DMatrix::zeros(m, mechanism.parameters().len()),
+            joints: DMatrix::zeros(m, mechanism.joints().len()),
+        }
+    }
+}
+
+/// How the platform moves when a parameter or a joint changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionBlock {
+    /// $J_b = -J_1^+ J_2$ (6 × L): small motion $(δt, δω)$ per unit of each parameter.
+    pub parameters: Matrix6xX<f64>,
+    /// $-J_1^+ ∂f/∂h$ (6 × n): small motion per unit of each joint.
+    pub joints: Matrix6xX<f64>,
+}
+
+impl MotionBlock {
+    /// Zeros of the sizes that `mechanism` needs.
+    pub fn sized_for<M: Mechanism + ?Sized>(mechanism: &M) -> Self {
+        Self {
+            parameters: Matrix6xX::zeros(mechanism.parameters().len()),
+            joints: Matrix6xX::zeros(mechanism.joints().len()),
+        }
+    }
+}

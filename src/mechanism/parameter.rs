@@ -1,0 +1,87 @@
+//! What a parameter or a joint is.
+
+use crate::units::Dimension;
+
+/// An axis of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
+}
+
+impl Axis {
+    /// All three, in order.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// 0, 1 or 2.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// What a parameter is, so that frames, plausibility, weak directions and effects find what they act on in any
+/// mechanism. Legs count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterRole {
+    /// A coordinate of the point $a_i$ where a leg meets the platform, platform frame.
+    PlatformPoint {
+        /// Leg.
+        leg: usize,
+        /// Axis of the platform frame.
+        axis: Axis,
+    },
+    /// A coordinate of the point $b_i$ where a leg meets the base, base frame.
+    BasePoint {
+        /// Leg.
+        leg: usize,
+        /// Axis of the base frame.
+        axis: Axis,
+    },
+    /// An offset added to the coordinate of a joint, such as $h_i$.
+    JointOffset {
+        /// Leg.
+        leg: usize,
+    },
+    /// A factor of the coordinate of a joint, such as the radius of a drum.
+    JointScale {
+        /// Leg.
+        leg: usize,
+    },
+    /// A dimension inside a leg.
+    LegDimension {
+        /// Leg.
+        leg: usize,
+    },
+    /// Anything else.
+    Other,
+}
+
+/// One kinematic parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterSpec {
+    /// Name in results: `xA1 … h1 … zB6`.
+    pub name: String,
+    /// What it measures; values are in SI.
+    pub dimension: Dimension,
+    /// Value of the design.
+    pub nominal: f64,
+    /// 1σ of manufacture, if it is known.
+    pub tolerance: Option<f64>,
+    /// What it is.
+    pub role: ParameterRole,
+}
+
+/// One joint coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointSpec {
+    /// Name of its column in measurement files: `leg1`.
+    pub name: String,
+    /// What it measures; values are in SI.
+    pub dimension: Dimension,
+    /// Smallest and largest allowed coordinate.
+    pub stroke: Option<[f64; 2]>,
+}

@@ -1,0 +1,363 @@
+//! Six legs of variable length between points of the platform and of the base, in closed form.
+//!
+//! Leg $i$ has $l_i = t + R a_i - b_i$ (eq. 1). In the length form of eq. (12) its closure is
+//! $f_i = |l_i| - (h_i^{cmd} + dh_i)$, with $dh_i = h_i - h_i^{nom}$: the true length is the commanded length
+//! plus the error. With $u_i = l_i/|l_i|$
+//!
+//! * $J_1$ row: $[u_i^T, (R a_i × u_i)^T]$ (eq. 19, along small motions),
+//! * $J_2$ row, in the columns of leg $i$: $[u_i^T R, -1, -u_i^T]$ (eq. 21 with the sign of eq. 17),
+//! * $∂f/∂h^{cmd} = -I$.
+//!
+//! The parameters stand in the order of eq. (15), $x_A\,y_A\,z_A\,h\,x_B\,y_B\,z_B$ per leg; the paper's
+//! tables print $h$ last.
+
+use nalgebra::{Matrix6, Vector3, Vector6};
+
+use super::{
+    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
+    ParameterSpec, condition, follow_joints,
+};
+use crate::conditions::Conditions;
+use crate::pose::Pose;
+use crate::solve::{NewtonOptions, NewtonProblem, newton};
+use crate::units::Dimension;
+
+/// One leg of a [`SixHardpoint`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leg {
+    /// $a_i$: where it meets the platform, platform frame, m.
+    pub platform: Vector3<f64>,
+    /// $b_i$: where it meets the base, base frame, m.
+    pub base: Vector3<f64>,
+    /// $h_i$ at home, m.
+    pub length: f64,
+    /// $dh_i$: true length minus commanded length, m.
+    pub length_offset: f64,
+    /// Shortest and longest commanded length, m.
+    pub stroke: Option<[f64; 2]>,
+}
+
+/// The paper's mechanism: six hardpoints, 42 parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SixHardpoint {
+    name: String,
+    specs: Vec<ParameterSpec>,
+    values: Vec<f64>,
+    joints: Vec<JointSpec>,
+    home: Pose,
+    /// Sign of $\det J_1$ at home: which side of the singularities the mechanism works on.
+    side: f64,
+}
+
+const PER_LEG: usize = 7;
+const LEGS: usize = 6;
+const NAMES: [&str; PER_LEG] = ["xA", "yA", "zA", "h", "xB", "yB", "zB"];
+/// A home pose with a worse condition does not hold its platform.
+const WORST_CONDITION: f64 = 1e7;
+
+impl SixHardpoint {
+    /// A mechanism of six legs. Without `home` it is solved from the lengths, starting at zero attitude above
+    /// the base. `tolerance` is 1σ of the anchors and of the lengths, m.
+    ///
+    /// # Errors
+    /// [`GeometryError`] for anything but six legs with finite points and positive lengths that hold the
+    /// platform at home.
+    pub fn new(
+        name: impl Into<String>,
+        legs: &[Leg],
+        home: Option<Pose>,
+        tolerance: Option<(f64, f64)>,
+    ) -> Result<Self, GeometryError> {
+        check_legs(legs)?;
+        let mut specs = Vec::with_capacity(LEGS * PER_LEG);
+        let mut values = Vec::with_capacity(LEGS * PER_LEG);
+        for (leg, l) in legs.iter().enumerate() {
+            let numbers = [l.platform.x, l.platform.y, l.platform.z, l.length, l.base.x, l.base.y, l.base.z];
+            for (k, (prefix, nominal)) in NAMES.iter().zip(numbers).enumerate() {
+                let role = match k {
+                    0..3 => ParameterRole::PlatformPoint { leg, axis: Axis::ALL[k] },
+                    3 => ParameterRole::JointOffset { leg },
+                    _ => ParameterRole::BasePoint { leg, axis: Axis::ALL[k - 4] },
+                };
+                let tolerance = tolerance.map(|(anchor, length)| if k == 3 { length } else { anchor });
+                let name = format!("{prefix}{}", leg + 1);
+                specs.push(ParameterSpec { name, dimension: Dimension::Length, nominal, tolerance, role });
+                values.push(if k == 3 { nominal + l.length_offset } else { nominal });
+            }
+        }
+        let joints = legs.iter().enumerate().map(|(i, l)| JointSpec {
+            name: format!("leg{}", i + 1),
+            dimension: Dimension::Length,
+            stroke: l.stroke,
+        });
+        let mut mechanism = Self {
+            name: name.into(),
+            specs,
+            values,
+            joints: joints.collect(),
+            home: home.unwrap_or_else(|| pose_above_base(legs)),
+            side: 0.0,
+        };
+        if home.is_none() {
+            let lengths: Vec<f64> = legs.iter().map(|l| l.length).collect();
+            let seed = mechanism.home;
+            mechanism.home = mechanism
+                .forward(&mechanism.values, &lengths, &Conditions::unknown(), &seed)
+                .map_err(GeometryError::Home)?;
+        }
+        mechanism.hold_at_home()?;
+        Ok(mechanism)
+    }
+
+    /// Finds on which side of the singularities home lies, or refuses a home that the legs do not hold.
+    fn hold_at_home(&mut self) -> Result<(), GeometryError> {
+        let joints = self.inverse(&self.values, &self.home, &Conditions::unknown()).map_err(GeometryError::Home)?;
+        let condition = condition(self, &self.values, &joints, &self.home, &Conditions::unknown());
+        if !(condition < WORST_CONDITION) {
+            return Err(GeometryError::SingularHome { condition });
+        }
+        let (mut residual, mut jacobian) = (Vector6::zeros(), Matrix6::zeros());
+        self.legs(&self.values, &joints).equations(&self.home, &mut residual, &mut jacobian);
+        self.side = jacobian.determinant().signum();
+        Ok(())
+    }
+
+    /// The legs as they are now.
+    pub fn to_legs(&self) -> Vec<Leg> {
+        let leg = |i: usize| {
+            let c = &self.values[PER_LEG * i..PER_LEG * (i + 1)];
+            let length = self.specs[PER_LEG * i + 3].nominal;
+            Leg {
+                platform: Vector3::new(c[0], c[1], c[2]),
+                base: Vector3::new(c[4], c[5], c[6]),
+                length,
+                length_offset: c[3] - length,
+                stroke: self.joints[i].stroke,
+            }
+        };
+        (0..LEGS).map(leg).collect()
+    }
+
+    /// The same mechanism with another home pose.
+    ///
+    /// # Errors
+    /// [`GeometryError::SingularHome`] if the legs do not hold the platform there.
+    pub fn with_home(mut self, home: Pose) -> Result<Self, GeometryError> {
+        self.home = home;
+        self.hold_at_home()?;
+        Ok(self)
+    }
+
+    /// The equations for these parameters and commanded lengths, unpacked.
+    fn legs(&self, c: &[f64], joints: &[f64]) -> SixLegs {
+        let mut legs = SixLegs { a: [Vector3::zeros(); LEGS], b: [Vector3::zeros(); LEGS], length: [0.0; LEGS] };
+        for i in 0..LEGS {
+            let p = &c[PER_LEG * i..PER_LEG * (i + 1)];
+            legs.a[i] = Vector3::new(p[0], p[1], p[2]);
+            legs.b[i] = Vector3::new(p[4], p[5], p[6]);
+            legs.length[i] = joints[i] + (p[3] - self.specs[PER_LEG * i + 3].nominal);
+        }
+        legs
+    }
+}
+
+fn check_legs(legs: &[Leg]) -> Result<(), GeometryError> {
+    if legs.len() != LEGS {
+        return Err(GeometryError::LegCount { found: legs.len() });
+    }
+    for (i, l) in legs.iter().enumerate() {
+        let leg = i + 1;
+        let named = [("platform", &l.platform), ("base", &l.base)];
+        for (what, value) in named.iter().flat_map(|(what, p)| p.iter().map(move |v| (*what, *v))) {
+            if !value.is_finite() {
+                return Err(GeometryError::NotFinite { leg, what: format!("a coordinate of `{what}`"), value });
+            }
+        }
+        for (what, value) in [("length", l.length), ("length_offset", l.length_offset)] {
+            if !value.is_finite() {
+                return Err(GeometryError::NotFinite { leg, what: format!("`{what}`"), value });
+            }
+        }
+        if l.length <= 0.0 {
+            return Err(GeometryError::Length { leg, length: l.length });
+        }
+        if let Some([from, to]) = l.stroke {
+            if !(0.0 < from && from < to && to.is_finite()) {
+                return Err(GeometryError::Stroke { leg, from, to });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses legs that meet in a point of the platform or of the base, which in a file is nearly always a line
+/// copied twice; a mechanism whose legs really meet skips this check.
+pub(crate) fn check_distinct_anchors(legs: &[Leg]) -> Result<(), GeometryError> {
+    for (i, first) in legs.iter().enumerate() {
+        for (j, second) in legs.iter().enumerate().skip(i + 1) {
+            for (body, p, q) in [("platform", first.platform, second.platform), ("base", first.base, second.base)] {
+                if (p - q).norm() <= 1e-9 {
+                    let (first, second) = (i + 1, j + 1);
+                    return Err(GeometryError::EqualAnchors { first, second, body, x: p.x, y: p.y, z: p.z });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Zero attitude, the mean of b − a in x and y, and in z where the legs reach above the base.
+fn pose_above_base(legs: &[Leg]) -> Pose {
+    let n = legs.len() as f64;
+    let mean = legs.iter().map(|l| l.base - l.platform).sum::<Vector3<f64>>() / n;
+    let rise = |l: &Leg| {
+        let d = l.base - l.platform - mean;
+        (l.length.powi(2) - d.xy().norm_squared()).max(0.04 * l.length.powi(2)).sqrt()
+    };
+    let z = legs.iter().map(rise).sum::<f64>() / n;
+    Pose { position: mean + Vector3::new(0.0, 0.0, z), ..Pose::identity() }
+}
+
+/// Six closure equations with static sizes: the inner loop of forward kinematics.
+struct SixLegs {
+    a: [Vector3<f64>; LEGS],
+    b: [Vector3<f64>; LEGS],
+    length: [f64; LEGS],
+}
+
+impl SixLegs {
+    /// Residual and $J_1$.
+    #[inline]
+    fn equations(&self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
+        for i in 0..LEGS {
+            let arm = pose.rotation * self.a[i];
+            let l = pose.position + arm - self.b[i];
+            let length = l.norm();
+            let u = l / length;
+            let turn = arm.cross(&u);
+            residual[i] = length - self.length[i];
+            for k in 0..3 {
+                jacobian[(i, k)] = u[k];
+                jacobian[(i, k + 3)] = turn[k];
+            }
+        }
+    }
+}
+
+impl NewtonProblem for SixLegs {
+    type Point = Pose;
+
+    #[inline]
+    fn linearize(&mut self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
+        self.equations(pose, residual, jacobian);
+    }
+
+    #[inline]
+    fn step(&self, pose: &Pose, delta: &Vector6<f64>) -> Pose {
+        pose.moved(delta)
+    }
+}
+
+impl Mechanism for SixHardpoint {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn parameters(&self) -> &[ParameterSpec] {
+        &self.specs
+    }
+
+    fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn with_values(&self, c: &[f64]) -> Result<Box<dyn Mechanism>, GeometryError> {
+        if c.len() != self.specs.len() {
+            return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
+        }
+        let mut other = self.clone();
+        other.values.copy_from_slice(c);
+        check_legs(&other.to_legs())?;
+        Ok(Box::new(other))
+    }
+
+    fn joints(&self) -> &[JointSpec] {
+        &self.joints
+    }
+
+    fn home(&self) -> Pose {
+        self.home
+    }
+
+    fn equations(&self) -> usize {
+        LEGS
+    }
+
+    fn linearize(&self, c: &[f64], joints: &[f64], pose: &Pose, _at: &Conditions, out: &mut Linearization) {
+        let legs = self.legs(c, joints);
+        let (mut residual, mut motion) = (Vector6::zeros(), Matrix6::zeros());
+        legs.equations(pose, &mut residual, &mut motion);
+        out.residual.copy_from(&residual);
+        out.motion.copy_from(&motion);
+        out.parameters.fill(0.0);
+        out.joints.fill(0.0);
+        for i in 0..LEGS {
+            let row = leg_row(&motion, i, pose);
+            for (k, value) in row.iter().enumerate() {
+                out.parameters[(i, PER_LEG * i + k)] = *value;
+            }
+            out.joints[(i, i)] = -1.0;
+        }
+    }
+
+    fn inverse(&self, c: &[f64], pose: &Pose, _at: &Conditions) -> Result<Vec<f64>, KinematicsError> {
+        if !pose.is_finite() {
+            return Err(KinematicsError::NotFinite { what: "the pose".into() });
+        }
+        let legs = self.legs(c, &[0.0; LEGS]);
+        // With a joint of zero, `length` holds dh: the command is the true length less dh.
+        Ok((0..LEGS).map(|i| (pose.place(&legs.a[i]) - legs.b[i]).norm() - legs.length[i]).collect())
+    }
+
+    fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError> {
+        if joints.len() != LEGS {
+            return Err(KinematicsError::JointCount { expected: LEGS, found: joints.len() });
+        }
+        follow_joints(
+            joints,
+            seed,
+            || self.inverse(c, seed, at),
+            self.side,
+            |joints, seed| newton(self.legs(c, joints), *seed, NewtonOptions::default()),
+        )
+    }
+
+    fn motion_block(
+        &self,
+        c: &[f64],
+        joints: &[f64],
+        pose: &Pose,
+        _at: &Conditions,
+        out: &mut MotionBlock,
+    ) -> Result<(), KinematicsError> {
+        let legs = self.legs(c, joints);
+        let (mut residual, mut motion) = (Vector6::zeros(), Matrix6::zeros());
+        legs.equations(pose, &mut residual, &mut motion);
+        let inverse = motion.try_inverse().ok_or(KinematicsError::Singular { pivot_ratio: 0.0 })?;
+        for i in 0..LEGS {
+            let (row, held) = (leg_row(&motion, i, pose), inverse.column(i));
+            for (k, value) in row.iter().enumerate() {
+                out.parameters.set_column(PER_LEG * i + k, &(held * -value));
+            }
+            out.joints.set_column(i, &held);
+        }
+        Ok(())
+    }
+}
+
+/// The entries of $J_2$ in the columns of leg `i`: $[u^T R, -1, -u^T]$.
+fn leg_row(motion: &Matrix6<f64>, i: usize, pose: &Pose) -> [f64; PER_LEG] {
+    let u = Vector3::new(motion[(i, 0)], motion[(i, 1)], motion[(i, 2)]);
+    let v = pose.rotation.inverse() * u;
+    [v.x, v.y, v.z, -1.0, -u.x, -u.y, -u.z]
+}

@@ -1,0 +1,211 @@
+//! Units at the edges: the library computes in SI (m, rad, s, kg), files name their units.
+//!
+//! Temperatures are kept in °C, because effects act on differences and people read °C.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What a number measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Dimension {
+    /// Metres inside.
+    Length,
+    /// Radians inside.
+    Angle,
+    /// Seconds inside.
+    Time,
+    /// Degrees Celsius inside.
+    Temperature,
+    /// Kilograms inside.
+    Mass,
+    /// Newtons inside.
+    Force,
+    /// A plain number.
+    None,
+}
+
+impl Dimension {
+    /// The unit used inside the library, as it is printed.
+    pub fn si(self) -> &'static str {
+        match self {
+            Self::Length => "m",
+            Self::Angle => "rad",
+            Self::Time => "s",
+            Self::Temperature => "degC",
+            Self::Mass => "kg",
+            Self::Force => "N",
+            Self::None => "1",
+        }
+    }
+
+    /// The accepted units, for messages: `m | mm | um | in`.
+    pub fn choices(self) -> String {
+        UNITS.iter().filter(|u| u.dimension == self).map(|u| u.name).collect::<Vec<_>>().join(" | ")
+    }
+}
+
+/// A unit by name, with its factor to SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// The name in files: `mm`, `deg`, …
+    pub name: &'static str,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// SI value of one unit.
+    pub factor: f64,
+    /// SI value of zero (kelvin only).
+    pub offset: f64,
+}
+
+const fn unit(name: &'static str, dimension: Dimension, factor: f64) -> Unit {
+    Unit { name, dimension, factor, offset: 0.0 }
+}
+
+const UNITS: &[Unit] = &[
+    unit("m", Dimension::Length, 1.0),
+    unit("mm", Dimension::Length, 1e-3),
+    unit("um", Dimension::Length, 1e-6),
+    unit("in", Dimension::Length, 0.0254),
+    unit("rad", Dimension::Angle, 1.0),
+    unit("mrad", Dimension::Angle, 1e-3),
+    unit("deg", Dimension::Angle, std::f64::consts::PI / 180.0),
+    unit("arcsec", Dimension::Angle, std::f64::consts::PI / 648_000.0),
+    unit("s", Dimension::Time, 1.0),
+    unit("min", Dimension::Time, 60.0),
+    unit("h", Dimension::Time, 3600.0),
+    unit("degC", Dimension::Temperature, 1.0),
+    Unit { name: "K", dimension: Dimension::Temperature, factor: 1.0, offset: -273.15 },
+    unit("kg", Dimension::Mass, 1.0),
+    unit("g", Dimension::Mass, 1e-3),
+    unit("N", Dimension::Force, 1.0),
+];
+
+/// A unit or quantity that cannot be read.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum UnitError {
+    /// The name is not a unit of the expected dimension.
+    #[error("unknown unit '{found}'; use {choices}")]
+    Unknown {
+        /// What was found.
+        found: String,
+        /// The accepted names.
+        choices: String,
+    },
+    /// A quantity such as `2um` has no number or no unit.
+    #[error("'{found}' is not a quantity; write a number and a unit, such as {example}")]
+    Quantity {
+        /// What was found.
+        found: String,
+        /// How it should look.
+        example: &'static str,
+    },
+}
+
+impl Unit {
+    /// The unit of that name, of any dimension.
+    pub fn named(name: &str) -> Option<Self> {
+        UNITS.iter().copied().find(|u| u.name == name)
+    }
+
+    /// The unit of that name and dimension.
+    ///
+    /// # Errors
+    /// [`UnitError::Unknown`] with the accepted names.
+    pub fn of(dimension: Dimension, name: &str) -> Result<Self, UnitError> {
+        Self::named(name)
+            .filter(|u| u.dimension == dimension)
+            .ok_or_else(|| UnitError::Unknown { found: name.into(), choices: dimension.choices() })
+    }
+
+    /// SI value of `value` in this unit.
+    pub fn to_si(self, value: f64) -> f64 {
+        value * self.factor + self.offset
+    }
+
+    /// The value in this unit of an SI value.
+    pub fn from_si(self, value: f64) -> f64 {
+        (value - self.offset) / self.factor
+    }
+}
+
+/// Reads a quantity such as `2um` or `0.5 arcsec` into SI.
+///
+/// # Errors
+/// [`UnitError`] if the number or the unit cannot be read, or the unit measures something else.
+pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
+    let example = match dimension {
+        Dimension::Angle => "0.5arcsec",
+        Dimension::Mass => "50kg",
+        Dimension::Temperature => "20degC",
+        _ => "2um",
+    };
+    let bad = || UnitError::Quantity { found: text.into(), example };
+    let text = text.trim();
+    // The unit is the trailing run of letters; an exponent's `e` is always followed by a digit or a sign.
+    let split = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |i| i + 1);
+    let (number, name) = text.split_at(split);
+    let value: f64 = number.trim().parse().map_err(|_| bad())?;
+    if name.is_empty() || !value.is_finite() {
+        return Err(bad());
+    }
+    Ok(Unit::of(dimension, name)?.to_si(value))
+}
+
+/// A length as people read it: `1.25 mm`, `0.83 um`.
+pub fn show_length(metres: f64) -> String {
+    let size = metres.abs();
+    let (factor, name) = match size {
+        s if s >= 1.0 => (1.0, "m"),
+        s if s >= 1e-4 => (1e3, "mm"),
+        s if s >= 1e-8 || s == 0.0 => (1e6, "um"),
+        _ => (1e9, "nm"),
+    };
+    format!("{} {name}", three_digits(metres * factor))
+}
+
+/// An angle as people read it: `1.25 deg`, `0.36 arcsec`.
+pub fn show_angle(radians: f64) -> String {
+    let degrees = radians.to_degrees();
+    if degrees.abs() >= 0.01 {
+        format!("{} deg", three_digits(degrees))
+    } else {
+        format!("{} arcsec", three_digits(degrees * 3600.0))
+    }
+}
+
+/// A number with three significant digits and no exponent where it can be avoided.
+pub fn three_digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".into()
+    } else if !(1e-4..1e6).contains(&size) {
+        format!("{value:.2e}")
+    } else {
+        let digits = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.digits$}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_read_with_their_unit() {
+        assert_eq!(parse_quantity("2um", Dimension::Length), Ok(2e-6));
+        assert_eq!(parse_quantity(" -1.5e-3 m", Dimension::Length), Ok(-1.5e-3));
+        assert!((parse_quantity("1arcsec", Dimension::Angle).unwrap() - 4.848_136_811e-6).abs() < 1e-14);
+        assert!((parse_quantity("293.15K", Dimension::Temperature).unwrap() - 20.0).abs() < 1e-12);
+        for bad in ["", "um", "2", "2 furlong", "2deg", "NaNmm", "1e3"] {
+            assert!(parse_quantity(bad, Dimension::Length).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_shown_in_a_unit_that_fits() {
+        assert_eq!(show_length(0.000_000_83), "0.830 um");
+        assert_eq!(show_length(0.0125), "12.5 mm");
+        assert_eq!(show_angle(1e-4_f64.to_radians()), "0.360 arcsec");
+    }
+}
