@@ -1,5 +1,7 @@
 //! paracal
 pub mod conditions;
+pub mod identification;
+pub mod measurement;
 pub mod mechanism;
 pub mod pose;
 pub mod solve;

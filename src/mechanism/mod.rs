@@ -57,11 +57,11 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// [`parameters`](Self::parameters).
     fn values(&self) -> &[f64];
 
-    /// The same mechanism with other parameter values.
+    /// The same mechanism with other parameter values and another home.
     ///
     /// # Errors
     /// [`GeometryError`] if no mechanism has these values.
-    fn with_values(&self, c: &[f64]) -> Result<Box<dyn Mechanism>, GeometryError>;
+    fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError>;
 
     /// Name, dimension and stroke of each joint coordinate.
     fn joints(&self) -> &[JointSpec];

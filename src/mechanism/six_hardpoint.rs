@@ -138,16 +138,6 @@ impl SixHardpoint {
         (0..LEGS).map(leg).collect()
     }
 
-    /// The same mechanism with another home pose.
-    ///
-    /// # Errors
-    /// [`GeometryError::SingularHome`] if the legs do not hold the platform there.
-    pub fn with_home(mut self, home: Pose) -> Result<Self, GeometryError> {
-        self.home = home;
-        self.hold_at_home()?;
-        Ok(self)
-    }
-
     /// The equations for these parameters and commanded lengths, unpacked.
     fn legs(&self, c: &[f64], joints: &[f64]) -> SixLegs {
         let mut legs = SixLegs { a: [Vector3::zeros(); LEGS], b: [Vector3::zeros(); LEGS], length: [0.0; LEGS] };
@@ -271,12 +261,13 @@ impl Mechanism for SixHardpoint {
         &self.values
     }
 
-    fn with_values(&self, c: &[f64]) -> Result<Box<dyn Mechanism>, GeometryError> {
+    fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
         if c.len() != self.specs.len() {
             return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
         }
         let mut other = self.clone();
         other.values.copy_from_slice(c);
+        other.home = home;
         check_legs(&other.to_legs())?;
         Ok(Box::new(other))
     }

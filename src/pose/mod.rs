@@ -15,8 +15,10 @@
 //! good as any other. [`PoseConvention::rates`] converts: $\dot q = C(q)\, δ$.
 
 mod convention;
+mod rigid_fit;
 
 pub use convention::{PoseConvention, RotationOrder};
+pub use rigid_fit::{fit_rigid_motion, rotation_from_spread};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
 

@@ -1,0 +1,68 @@
+//! Why an identification has no result.
+
+use thiserror::Error;
+
+use crate::mechanism::{GeometryError, KinematicsError};
+use crate::solve::SolveError;
+
+/// Why an identification has no result.
+#[derive(Clone, Debug, Error)]
+pub enum IdentifyError {
+    /// No sample.
+    #[error("the data have no sample")]
+    Empty,
+    /// Too few rows, and no prior to make up for them.
+    #[error(
+        "{rows} equations ({samples} samples) cannot determine {unknowns} parameters; measure at least \
+         {needed} samples like these, or state a [tolerance] and allow a prior"
+    )]
+    TooFewRows {
+        /// Rows of the data.
+        rows: usize,
+        /// Samples.
+        samples: usize,
+        /// Parameters to identify.
+        unknowns: usize,
+        /// Samples of this kind that would do.
+        needed: usize,
+    },
+    /// A prior was asked for, and no parameter has a tolerance.
+    #[error("a prior was asked for, but the mechanism has no [tolerance]")]
+    NoTolerance,
+    /// A prior has no meaning with unweighted rows.
+    #[error("a prior needs rows that are weighted by the noise; drop `--weights none` or `--prior tolerance`")]
+    PriorWithoutWeights,
+    /// The kinematics fails at one sample.
+    #[error("data row {row}{label}: {cause}")]
+    Sample {
+        /// 0-based data row.
+        row: usize,
+        /// ` (id)`, or nothing.
+        label: String,
+        /// What failed.
+        cause: KinematicsError,
+    },
+    /// The covariance of one sample cannot be used.
+    #[error("data row {row}: the noise of its reading is not positive")]
+    Covariance {
+        /// 0-based data row.
+        row: usize,
+    },
+    /// The iterations were used up. Where they led is kept, so that it can be shown, but it is no result.
+    #[error("{cause}")]
+    NotConverged {
+        /// What the solver says.
+        cause: SolveError,
+        /// Where the iteration stood.
+        last: Box<super::Identification>,
+    },
+    /// The iteration failed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The identified values are no mechanism.
+    #[error("the identified parameters are no mechanism: {0}")]
+    Geometry(#[from] GeometryError),
+    /// An identifier of a consumer failed.
+    #[error("{0}")]
+    Other(String),
+}

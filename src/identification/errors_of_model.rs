@@ -1,0 +1,105 @@
+//! Errors of a model on measured data; nothing is fitted.
+
+use super::IdentifyError;
+use super::problem::sample_error;
+use crate::measurement::{Dataset, RowKind, Rows};
+use crate::mechanism::Mechanism;
+use crate::pose::Pose;
+
+/// Error of one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseErrors {
+    /// 0-based data row.
+    pub row: usize,
+    /// Length of the position error, m (RMS over the targets if there are several); `None` if no position was
+    /// measured.
+    pub position: Option<f64>,
+    /// Length of the vector of angle errors, rad; `None` if no angle was measured.
+    pub rotation: Option<f64>,
+}
+
+/// One number for position and one for rotation, over samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorSummary {
+    /// Over lengths of position errors, m.
+    pub position: Option<f64>,
+    /// Over lengths of angle errors, rad.
+    pub rotation: Option<f64>,
+}
+
+/// Errors of all samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelErrors {
+    /// By sample, in the order of the data.
+    pub samples: Vec<PoseErrors>,
+}
+
+impl ModelErrors {
+    fn over(&self, f: impl Fn(&[f64]) -> f64) -> ErrorSummary {
+        let collect = |get: fn(&PoseErrors) -> Option<f64>| {
+            let values: Vec<f64> = self.samples.iter().filter_map(get).collect();
+            (!values.is_empty()).then(|| f(&values))
+        };
+        ErrorSummary { position: collect(|s| s.position), rotation: collect(|s| s.rotation) }
+    }
+
+    /// Root of the mean square.
+    pub fn rms(&self) -> ErrorSummary {
+        self.over(|v| (v.iter().map(|e| e * e).sum::<f64>() / v.len() as f64).sqrt())
+    }
+
+    /// Mean.
+    pub fn mean(&self) -> ErrorSummary {
+        self.over(|v| v.iter().sum::<f64>() / v.len() as f64)
+    }
+
+    /// Largest.
+    pub fn max(&self) -> ErrorSummary {
+        self.over(|v| v.iter().copied().fold(0.0, f64::max))
+    }
+}
+
+/// Compares what a mechanism predicts for each sample with what was measured.
+///
+/// `own` are the values of the measurement's own parameters; if there are too few, they are found from the
+/// predicted poses.
+///
+/// # Errors
+/// [`IdentifyError::Sample`] if a sample has no pose.
+pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
+    let model = data.model();
+    let count = model.own_parameters().len();
+    let mut poses = Vec::with_capacity(data.len());
+    for k in 0..data.len() {
+        poses.push(predict(mechanism, data, k)?);
+    }
+    let own = if own.len() == count {
+        own.to_vec()
+    } else {
+        let mut all = vec![None; model.samples()];
+        for (k, pose) in poses.iter().enumerate() {
+            all[data.reading(k).1] = Some(*pose);
+        }
+        model.start(&all, &data.frames)
+    };
+    let errors = |(k, pose): (usize, &Pose)| {
+        let kinds = data.rows(k);
+        let mut rows = Rows::sized(kinds.len(), count);
+        let (model, index) = data.reading(k);
+        model.evaluate(index, pose, &data.frames, &own, &mut rows);
+        let sum = |kind: RowKind| {
+            let squares: Vec<f64> =
+                kinds.iter().zip(rows.residual.iter()).filter(|(k, _)| **k == kind).map(|(_, r)| r * r).collect();
+            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
+        };
+        PoseErrors { row: data.sample(k).row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
+    };
+    Ok(ModelErrors { samples: poses.iter().enumerate().map(errors).collect() })
+}
+
+fn predict(mechanism: &dyn Mechanism, data: &Dataset, k: usize) -> Result<Pose, IdentifyError> {
+    let sample = data.sample(k);
+    mechanism
+        .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
+        .map_err(|cause| sample_error(data, k, cause))
+}

@@ -1,0 +1,77 @@
+//! From measured data to parameters, their covariance, and how far to trust them.
+//!
+//! The error model of one sample is $dq = J_b\,dC$ (eq. 23); stacked over the samples (eq. 27) and whitened it
+//! is a least-squares problem in the $L$ parameters of the mechanism and the own parameters of the
+//! measurement. It is iterated, because the model is linear only for small errors; the residual of each
+//! iteration comes from full forward kinematics.
+//!
+//! | identifier | rows weighted by | use |
+//! |---|---|---|
+//! | [`LevenbergMarquardt`] | noise; tolerance as prior where the data do not decide | the default |
+//! | [`LeastSquares`] | noise, or mm and rad as they are | the paper's iteration (section 4.1), for reproduction |
+//! | [`Robust`] | noise, and less for samples that do not fit | data with gross errors |
+//!
+//! [`Identifier`] is the trait; [`calibrate`] is the whole job around it:
+//!
+//! 1. [`register`]: real data are in the tracker's frame; find the frames from any orientation,
+//! 2. choose the prior ([`PriorPolicy`]),
+//! 3. identify, and carry the result back into the tracker's frame,
+//! 4. judge: rank and [`weak_directions`], plausibility after the rigid motions are taken out
+//!    ([`plausibility`]), misfit ([`Misfit`]), errors on rows that were not fitted ([`HeldOut`]), predicted
+//!    errors over the workspace.
+//!
+//! Eighteen directions of the 42 are pure convention: six for where the tracker stands, six for where the
+//! target sits, six leg offsets. They are identified like any other, reported, and not judged.
+
+mod calibration;
+mod error;
+mod errors_of_model;
+mod held_out;
+mod identifiers;
+mod misfit;
+mod plausibility;
+mod prediction;
+mod prior;
+mod problem;
+mod registration;
+mod result;
+mod robust;
+mod weak_directions;
+
+pub use calibration::{Calibration, CalibrationOptions, Verdict, calibrate};
+pub use error::IdentifyError;
+pub use errors_of_model::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
+pub use held_out::{HeldOut, Holdout};
+pub use identifiers::{IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, identifier};
+pub use misfit::Misfit;
+pub use plausibility::{Implausible, Plausibility, plausibility};
+pub use prediction::{PredictedError, pose_covariance, predicted_errors};
+pub use prior::{DECIDED, Prior, PriorPolicy};
+pub use problem::{CalibrationProblem, Weights};
+pub use registration::{Registration, register};
+pub use result::{Estimate, Identification};
+pub use robust::{Loss, Robust};
+pub use weak_directions::{DataSpectrum, WeakDirection, weak_directions};
+
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+
+/// What an [`Identifier`] works on.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// The mechanism; its values are the start and the centre of the prior.
+    pub mechanism: &'a dyn Mechanism,
+    /// The samples.
+    pub data: &'a Dataset,
+    /// Where priors come from.
+    pub prior: PriorPolicy,
+    /// How rows are weighted.
+    pub weights: Weights,
+}
+
+impl<'a> Task<'a> {
+    /// Identification of `mechanism` from `data`, weighted by the noise, with a prior where it is needed.
+    pub fn new(mechanism: &'a dyn Mechanism, data: &'a Dataset) -> Self {
+        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise }
+    }
+}

@@ -1,0 +1,259 @@
+//! The least-squares problem behind every identifier.
+
+use std::sync::Arc;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::{IdentifyError, Prior, Task};
+use crate::measurement::{Dataset, RowKind, Rows};
+use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
+use crate::pose::Pose;
+use crate::solve::{EvaluationError, LeastSquaresProblem};
+
+/// How rows are weighted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// By the covariance of the reading and of the joints.
+    #[default]
+    Noise,
+    /// Not at all, on millimetres and radians: the paper's estimator.
+    MillimetresAndRadians,
+}
+
+/// Whitened residual $W(\hat y(x) - y)$ of a dataset, with prior rows $(x - x_0)/σ_0$ below it.
+///
+/// Unknowns: the parameters of the mechanism, then those of the measurement. Forward kinematics of each sample
+/// starts where it ended the time before.
+pub struct CalibrationProblem<'a> {
+    mechanism: &'a dyn Mechanism,
+    data: &'a Dataset,
+    prior: Option<Prior>,
+    /// Covariance of each reading (k × k), joints included, for the noise as stated.
+    covariances: Vec<DMatrix<f64>>,
+    /// Whitening of each sample (k × k), lower triangular.
+    whitening: Vec<DMatrix<f64>>,
+    /// Square root of the weight of each sample; one but for robust fits.
+    sample_weights: Vec<f64>,
+    poses: Vec<Pose>,
+    kinds: Vec<Vec<RowKind>>,
+    start: DVector<f64>,
+    block: MotionBlock,
+    rows: Vec<Rows>,
+    product: DMatrix<f64>,
+}
+
+impl<'a> CalibrationProblem<'a> {
+    /// The problem of a task with this prior; `noise_scale` multiplies every σ of the readings.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if a sample has no pose at the start or its noise is not positive.
+    pub fn new(task: &Task<'a>, prior: Option<Prior>, noise_scale: f64) -> Result<Self, IdentifyError> {
+        let (mechanism, data) = (task.mechanism, task.data);
+        if data.is_empty() {
+            return Err(IdentifyError::Empty);
+        }
+        let model = data.model();
+        let own = model.own_parameters().len();
+        let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| data.rows(k)).collect();
+        let rows = kinds.iter().map(|k| Rows::sized(k.len(), own)).collect();
+        let (specs, c) = (mechanism.parameters().len(), mechanism.values());
+        let mut problem = Self {
+            mechanism,
+            data,
+            prior,
+            covariances: Vec::new(),
+            whitening: Vec::new(),
+            sample_weights: vec![1.0; data.len()],
+            poses: Vec::new(),
+            kinds,
+            start: DVector::from_column_slice(c),
+            block: MotionBlock::sized_for(mechanism),
+            rows,
+            product: DMatrix::zeros(0, specs),
+        };
+        problem.poses = start_poses(mechanism, data)?;
+        if own > 0 {
+            let mut all = vec![None; model.samples()];
+            for (k, pose) in problem.poses.iter().enumerate() {
+                all[data.reading(k).1] = Some(*pose);
+            }
+            let own = model.start(&all, &data.frames);
+            problem.start = DVector::from_iterator(specs + own.len(), c.iter().chain(&own).copied());
+        }
+        for k in 0..data.len() {
+            let covariance = problem.covariance_of(k)?;
+            let whitening = problem.whitening_of(k, &covariance, task.weights, noise_scale)?;
+            problem.covariances.push(covariance);
+            problem.whitening.push(whitening);
+        }
+        Ok(problem)
+    }
+
+    fn covariance_of(&mut self, k: usize) -> Result<DMatrix<f64>, IdentifyError> {
+        let (model, index) = self.data.reading(k);
+        let mut covariance = model.covariance(index, &self.data.frames);
+        let joint = self.data.noise.joint;
+        if joint > 0.0 {
+            // The closure residual has covariance J1 Σq J1ᵀ + Jj Σj Jjᵀ; seen from the reading the second term
+            // is H (J1⁻¹ Jj) Σj (J1⁻¹ Jj)ᵀ Hᵀ.
+            self.evaluate_sample(k, &self.start.clone()).map_err(|cause| sample_error(self.data, k, cause))?;
+            let seen = &self.rows[k].motion * &self.block.joints;
+            covariance += &seen * seen.transpose() * (joint * joint);
+        }
+        Ok(covariance)
+    }
+
+    fn whitening_of(
+        &self,
+        k: usize,
+        covariance: &DMatrix<f64>,
+        weights: Weights,
+        noise_scale: f64,
+    ) -> Result<DMatrix<f64>, IdentifyError> {
+        let kinds = &self.kinds[k];
+        if weights == Weights::MillimetresAndRadians {
+            let unit = kinds.iter().map(|kind| if *kind == RowKind::Position { 1e3 } else { 1.0 });
+            return Ok(DMatrix::from_diagonal(&DVector::from_iterator(kinds.len(), unit)));
+        }
+        let row = self.data.sample(k).row;
+        let factor = Cholesky::new(covariance.clone()).ok_or(IdentifyError::Covariance { row })?;
+        let lower = factor.unpack() * noise_scale;
+        let n = lower.nrows();
+        lower.solve_lower_triangular(&DMatrix::identity(n, n)).ok_or(IdentifyError::Covariance { row })
+    }
+
+    /// $\sum_k A_k Σ_k A_k^T$: covariance of $A r$ for the whitened residual $r$, with the columns of `a` in the
+    /// order of the rows. Rows of a prior have unit covariance.
+    pub fn covariance_through(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(a.nrows(), a.nrows());
+        let mut next = 0;
+        for (k, (first, n)) in self.sample_rows().into_iter().enumerate() {
+            let part = a.columns(first, n) * &self.whitening[k];
+            sum += &part * &self.covariances[k] * part.transpose();
+            next = first + n;
+        }
+        let rest = a.columns(next, a.ncols() - next);
+        sum + rest * rest.transpose()
+    }
+
+    /// Where the iteration starts: the values of the mechanism, then those of the measurement.
+    pub fn start(&self) -> DVector<f64> {
+        self.start.clone()
+    }
+
+    /// Data rows, without those of the prior.
+    pub fn data_rows(&self) -> usize {
+        self.kinds.iter().map(Vec::len).sum()
+    }
+
+    /// Number of parameters of the mechanism.
+    pub fn mechanism_parameters(&self) -> usize {
+        self.mechanism.parameters().len()
+    }
+
+    /// The prior, if there is one.
+    pub fn prior(&self) -> Option<&Prior> {
+        self.prior.as_ref()
+    }
+
+    /// First data row of each sample, and the number of its rows.
+    pub fn sample_rows(&self) -> Vec<(usize, usize)> {
+        let mut first = 0;
+        let next = |kinds: &Vec<RowKind>| {
+            let range = (first, kinds.len());
+            first += kinds.len();
+            range
+        };
+        self.kinds.iter().map(next).collect()
+    }
+
+    /// Multiplies the rows of each sample by the square root of its weight.
+    pub fn weigh_samples(&mut self, weights: &[f64]) {
+        self.sample_weights = weights.iter().map(|w| w.sqrt()).collect();
+    }
+
+    /// Poses that the last evaluation predicted.
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
+    }
+
+    fn evaluate_sample(&mut self, k: usize, x: &DVector<f64>) -> Result<(), KinematicsError> {
+        let (c, own) = x.as_slice().split_at(self.mechanism.parameters().len());
+        let sample = self.data.sample(k);
+        let pose = self.mechanism.forward(c, &sample.joints, &sample.conditions, &self.poses[k])?;
+        self.poses[k] = pose;
+        self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
+        let (model, index) = self.data.reading(k);
+        model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows[k]);
+        Ok(())
+    }
+}
+
+/// Forward kinematics of each sample at the mechanism's values, from home or, if that fails, from the reading.
+fn start_poses(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pose>, IdentifyError> {
+    let (c, home) = (mechanism.values(), mechanism.home());
+    let solve = |k: usize| {
+        let sample = data.sample(k);
+        let forward = |seed: &Pose| mechanism.forward(c, &sample.joints, &sample.conditions, seed);
+        forward(&home).or_else(|cause| {
+            let (model, index) = data.reading(k);
+            let seed = model.rigid_pose(index).map(|p| data.frames.platform(&p));
+            seed.and_then(|seed| forward(&seed).ok()).ok_or_else(|| sample_error(data, k, cause))
+        })
+    };
+    (0..data.len()).map(solve).collect()
+}
+
+pub(super) fn sample_error(data: &Dataset, k: usize, cause: KinematicsError) -> IdentifyError {
+    let sample = data.sample(k);
+    let label = sample.id.as_ref().map_or(String::new(), |id| format!(" ({id})"));
+    IdentifyError::Sample { row: sample.row, label, cause }
+}
+
+impl LeastSquaresProblem for CalibrationProblem<'_> {
+    fn shape(&self) -> (usize, usize) {
+        let prior = self.prior.as_ref().map_or(0, |p| p.rows().count());
+        (self.data_rows() + prior, self.start.len())
+    }
+
+    fn linearize(
+        &mut self,
+        x: &DVector<f64>,
+        residual: &mut DVector<f64>,
+        jacobian: &mut DMatrix<f64>,
+    ) -> Result<(), EvaluationError> {
+        let specs = self.mechanism_parameters();
+        let own = x.len() - specs;
+        let mut first = 0;
+        for k in 0..self.data.len() {
+            self.evaluate_sample(k, x)
+                .map_err(|cause| -> EvaluationError { Arc::new(sample_error(self.data, k, cause)) })?;
+            let n = self.kinds[k].len();
+            if n == 0 {
+                continue;
+            }
+            let rows = &self.rows[k];
+            let weight = self.sample_weights[k];
+            let w = &self.whitening[k];
+            // W H J_b with the small product first.
+            let wh = (w * &rows.motion) * weight;
+            self.product.resize_mut(n, specs, 0.0);
+            wh.mul_to(&self.block.parameters, &mut self.product);
+            jacobian.view_mut((first, 0), (n, specs)).copy_from(&self.product);
+            if own > 0 {
+                jacobian.view_mut((first, specs), (n, own)).copy_from(&((w * &rows.own) * weight));
+            }
+            residual.rows_mut(first, n).copy_from(&((w * &rows.residual) * weight));
+            first += n;
+        }
+        if let Some(prior) = &self.prior {
+            jacobian.rows_mut(first, residual.len() - first).fill(0.0);
+            for (k, centre, sigma) in prior.rows() {
+                residual[first] = (x[k] - centre) / sigma;
+                jacobian[(first, k)] = 1.0 / sigma;
+                first += 1;
+            }
+        }
+        Ok(())
+    }
+}

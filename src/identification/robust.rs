@@ -1,0 +1,218 @@
+//! Identification that gross errors cannot pull away.
+
+use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
+
+use super::identifiers::choose_prior;
+use super::problem::{CalibrationProblem, Weights};
+use super::result::linearized;
+use super::{Identification, Identifier, IdentifyError, Task};
+use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, least_squares};
+
+/// How much a sample counts, by its whitened length $d$ over the scale.
+///
+/// | loss | weight | far away |
+/// |---|---|---|
+/// | Huber | $\min(1, c/d)$ | keeps some influence; the minimum is unique |
+/// | Tukey | $(1 - (d/c)^2)^2$, 0 beyond $c$ | none; needs a start that is not itself pulled away |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Loss {
+    /// Bounded influence.
+    Huber,
+    /// Vanishing influence; the iteration begins with Huber.
+    #[default]
+    Tukey,
+}
+
+/// Iteratively reweighted least squares: a sample (a whole pose, since gross errors are those of a pose) gets a
+/// weight by the length of its whitened residual, relative to a scale that is estimated from the median.
+///
+/// The tuning constant is computed for each number of rows $k$, so that 95 % of the efficiency of least
+/// squares is kept when the noise is normal. Reference: Maronna, Martin, Yohai, *Robust Statistics*, 2006,
+/// chapters 4 and 6.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Robust {
+    /// The loss.
+    pub loss: Loss,
+    /// When the inner iterations stop.
+    pub options: LeastSquaresOptions,
+}
+
+/// A sample farther out than this quantile of the noise, shared over all samples, is called a gross error.
+const OUTLIER_LEVEL: f64 = 0.01;
+const EFFICIENCY: f64 = 0.95;
+const MAX_ROUNDS: usize = 60;
+const SETTLED: f64 = 1e-4;
+
+impl Loss {
+    /// Weight of a sample at distance `d` with tuning constant `c`.
+    pub fn weight(self, d: f64, c: f64) -> f64 {
+        match self {
+            Self::Huber => {
+                if d <= c {
+                    1.0
+                } else {
+                    c / d
+                }
+            }
+            Self::Tukey => {
+                if d < c {
+                    (1.0 - (d / c).powi(2)).powi(2)
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// Efficiency for $k$-dimensional normal residuals: $k η^2 / E[ψ^2]$ with $ψ = w(d) d$ and
+    /// $η = E[ψ' + (k-1) ψ/d]/k$, by the trapezoid rule over the χ distribution.
+    fn efficiency(self, k: usize, c: f64) -> f64 {
+        let Ok(chi) = ChiSquared::new(k as f64) else { return f64::NAN };
+        let (mut square, mut slope) = (0.0, 0.0);
+        let step = 0.01;
+        let psi = |d: f64| self.weight(d, c) * d;
+        for i in 1..1200 {
+            let d = i as f64 * step;
+            let density = 2.0 * d * chi.pdf(d * d) * step;
+            let derivative = (psi(d + 1e-5) - psi(d - 1e-5)) / 2e-5;
+            square += psi(d).powi(2) * density;
+            slope += (derivative + (k as f64 - 1.0) * self.weight(d, c)) * density;
+        }
+        slope * slope / (k as f64 * square)
+    }
+
+    /// The tuning constant that keeps 95 % efficiency for samples of $k$ rows.
+    pub fn tuning(self, k: usize) -> f64 {
+        let (mut low, mut high) = (0.1, 12.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.efficiency(k, middle) < EFFICIENCY {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+impl Identifier for Robust {
+    fn name(&self) -> &str {
+        "robust"
+    }
+
+    fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
+        let task = &Task { weights: Weights::Noise, ..*task };
+        let mut scale = 1.0;
+        let mut weights = vec![1.0; task.data.len()];
+        let mut history = Vec::new();
+        let losses: &[Loss] = match self.loss {
+            Loss::Huber => &[Loss::Huber],
+            Loss::Tukey => &[Loss::Huber, Loss::Tukey],
+        };
+        // Distances of gross errors would make the data look worse than they are, so the prior is chosen for the
+        // scale that the median gives.
+        let mut x = None;
+        for loss in losses {
+            for _ in 0..MAX_ROUNDS {
+                let prior = choose_prior(task, scale)?;
+                let mut problem = CalibrationProblem::new(task, prior, scale)?;
+                problem.weigh_samples(&weights);
+                let start = x.take().unwrap_or_else(|| problem.start());
+                let method = LeastSquaresMethod::LevenbergMarquardt;
+                let solution = least_squares(&mut problem, start, method, &self.options)?;
+                history.extend_from_slice(&solution.history);
+                let rows = problem.sample_rows();
+                problem.weigh_samples(&vec![1.0; task.data.len()]);
+                let (residual, _) = linearized(&mut problem, &solution.x)?;
+                let distances: Vec<f64> = rows.iter().map(|(first, n)| residual.rows(*first, *n).norm()).collect();
+                let unknowns = if problem.prior().is_some() { 0 } else { solution.x.len() };
+                let shift = median_scale(&distances, &rows, unknowns);
+                let next: Vec<f64> = distances
+                    .iter()
+                    .zip(&rows)
+                    .map(|(d, (_, n))| if *n == 0 { 1.0 } else { loss.weight(d / shift, tuned(*loss, *n)) })
+                    .collect();
+                let change = next.iter().zip(&weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                weights = next;
+                scale *= shift;
+                x = Some(solution.x);
+                if change < SETTLED && (shift - 1.0).abs() < 1e-3 {
+                    break;
+                }
+            }
+        }
+        self.finish(task, x, &weights, scale, history)
+    }
+}
+
+impl Robust {
+    fn finish(
+        &self,
+        task: &Task<'_>,
+        x: Option<nalgebra::DVector<f64>>,
+        weights: &[f64],
+        scale: f64,
+        history: Vec<crate::solve::IterationRecord>,
+    ) -> Result<Identification, IdentifyError> {
+        let prior = choose_prior(task, scale)?;
+        let mut problem = CalibrationProblem::new(task, prior, scale)?;
+        problem.weigh_samples(weights);
+        let start = x.unwrap_or_else(|| problem.start());
+        let solution = least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &self.options)?;
+        let rows = problem.sample_rows();
+        problem.weigh_samples(&vec![1.0; task.data.len()]);
+        let (residual, _) = linearized(&mut problem, &solution.x)?;
+        let level = OUTLIER_LEVEL / task.data.len() as f64;
+        let gross = |(k, (first, n)): (usize, &(usize, usize))| {
+            let limit = ChiSquared::new(*n as f64).map_or(f64::INFINITY, |d| d.inverse_cdf(1.0 - level));
+            (residual.rows(*first, *n).norm_squared() > limit).then_some(k)
+        };
+        let outliers: Vec<usize> = rows.iter().enumerate().filter_map(gross).collect();
+        problem.weigh_samples(weights);
+        let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), outliers)?;
+        found.history = history;
+        Ok(found)
+    }
+}
+
+/// Tuning constants are the same for all samples of a size; they are computed once.
+fn tuned(loss: Loss, k: usize) -> f64 {
+    use std::collections::HashMap;
+    use std::sync::{Mutex, OnceLock};
+    static KNOWN: OnceLock<Mutex<HashMap<(bool, usize), f64>>> = OnceLock::new();
+    let known = KNOWN.get_or_init(Mutex::default);
+    let key = (loss == Loss::Huber, k);
+    // A poisoned lock only means that another thread panicked between two insertions of constants.
+    let mut known = known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    *known.entry(key).or_insert_with(|| loss.tuning(k))
+}
+
+/// Scale of the noise from the median of the distances: the median of $d^2/m_k$ with $m_k$ the median of
+/// $χ^2_k$, corrected for the rows that the parameters used up.
+fn median_scale(distances: &[f64], rows: &[(usize, usize)], unknowns: usize) -> f64 {
+    let mut ratios: Vec<f64> = distances
+        .iter()
+        .zip(rows)
+        .filter(|(_, (_, n))| *n > 0)
+        .filter_map(|(d, (_, n))| ChiSquared::new(*n as f64).ok().map(|chi| d * d / chi.inverse_cdf(0.5)))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let total: usize = rows.iter().map(|(_, n)| n).sum();
+    let free = total.saturating_sub(unknowns).max(1) as f64;
+    let median = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+    (median * total as f64 / free).sqrt().max(1e-12)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tuning_constants_of_one_dimension_are_the_published_ones() {
+        // Maronna et al., table 2.2: 1.345 (Huber) and 4.685 (bisquare) for 95 %.
+        assert!((Loss::Huber.tuning(1) - 1.345).abs() < 0.01, "{}", Loss::Huber.tuning(1));
+        assert!((Loss::Tukey.tuning(1) - 4.685).abs() < 0.02, "{}", Loss::Tukey.tuning(1));
+        assert!(Loss::Tukey.tuning(6) > Loss::Tukey.tuning(3));
+    }
+}

@@ -1,0 +1,193 @@
+//! What the data decide, and in words what they do not.
+//!
+//! The whitened Jacobian of the data, with each column multiplied by the tolerance of its parameter and the
+//! measurement's own parameters projected out, has one singular value for each direction of the parameters:
+//! the tolerance along it over the σ that the data alone give. Ten means that the data know the direction to a
+//! tenth of the tolerance ([`DECIDED`](super::DECIDED)); one that they know no more than the workshop.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::problem::CalibrationProblem;
+use super::result::linearized;
+use super::{DECIDED, IdentifyError, Task, Weights};
+use crate::mechanism::{Body, Mechanism, ParameterRole};
+
+/// Singular values and directions of the data alone.
+#[derive(Clone, Debug)]
+pub struct DataSpectrum {
+    /// Singular values in descending order, one for each parameter of the mechanism.
+    pub values: Vec<f64>,
+    /// Directions as columns, in parameters divided by their tolerance.
+    pub directions: DMatrix<f64>,
+    /// Tolerance of each parameter, m; the characteristic scale 1 mm stands in where none is stated.
+    pub scale: Vec<f64>,
+    /// True if every parameter has a tolerance.
+    pub scaled_by_tolerance: bool,
+}
+
+/// A direction of the parameters that the data do not decide.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WeakDirection {
+    /// Tolerance along the direction over the σ from the data alone; 0 if the data say nothing.
+    pub sigma: f64,
+    /// What it is, in words.
+    pub text: String,
+}
+
+impl DataSpectrum {
+    /// At the values of the mechanism.
+    pub(super) fn at_start(task: &Task<'_>, noise_scale: f64) -> Result<Self, IdentifyError> {
+        let task = Task { weights: Weights::Noise, ..*task };
+        let mut problem = CalibrationProblem::new(&task, None, noise_scale)?;
+        let start = problem.start();
+        let (_, j) = linearized(&mut problem, &start)?;
+        Ok(Self::of(task.mechanism, &j))
+    }
+
+    /// Of a whitened Jacobian whose first columns belong to the mechanism and whose others are projected out.
+    pub fn of(mechanism: &dyn Mechanism, jacobian: &DMatrix<f64>) -> Self {
+        let specs = mechanism.parameters();
+        let n = specs.len();
+        let scale: Vec<f64> = specs.iter().map(|s| s.tolerance.unwrap_or(1e-3)).collect();
+        let mut part = jacobian.columns(0, n).into_owned();
+        let own = jacobian.ncols() - n;
+        if own > 0 {
+            let q = jacobian.columns(n, own).into_owned().qr().q();
+            part -= &q * (q.transpose() * &part);
+        }
+        for (k, s) in scale.iter().enumerate() {
+            part.column_mut(k).scale_mut(*s);
+        }
+        if part.nrows() < n {
+            part = part.resize_vertically(n, 0.0);
+        }
+        let svd = part.svd(false, true);
+        let directions = svd.v_t.map_or_else(|| DMatrix::identity(n, n), |v| v.transpose());
+        Self {
+            values: svd.singular_values.iter().copied().collect(),
+            directions,
+            scaled_by_tolerance: specs.iter().all(|s| s.tolerance.is_some()),
+            scale,
+        }
+    }
+
+    /// The smallest singular value.
+    pub fn smallest(&self) -> f64 {
+        self.values.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The directions that the data do not decide, weakest first, in words.
+///
+/// Without tolerances only directions of which the data say nothing (1e-10 of the strongest) are listed.
+pub fn weak_directions(mechanism: &dyn Mechanism, spectrum: &DataSpectrum) -> Vec<WeakDirection> {
+    let largest = spectrum.values.iter().copied().fold(0.0, f64::max);
+    let limit = if spectrum.scaled_by_tolerance { DECIDED } else { 1e-10 * largest };
+    let patterns = patterns(mechanism, &spectrum.scale);
+    let mut weak: Vec<usize> = (0..spectrum.values.len()).filter(|k| spectrum.values[*k] < limit).collect();
+    weak.sort_by(|a, b| spectrum.values[*a].total_cmp(&spectrum.values[*b]));
+    let say = |k: usize| WeakDirection {
+        sigma: spectrum.values[k],
+        text: describe(mechanism, &patterns, &spectrum.directions.column(k).into_owned()),
+    };
+    weak.into_iter().map(say).collect()
+}
+
+/// A family of directions with a physical name.
+struct Pattern {
+    name: String,
+    /// Orthonormal columns, in parameters divided by their tolerance.
+    basis: DMatrix<f64>,
+    /// True for rigid motions, whose share is named only if it is nearly the whole.
+    rigid: bool,
+}
+
+/// A direction belongs to a pattern if this part of its length squared does.
+const MOSTLY: f64 = 0.5;
+const WORTH_NAMING: f64 = 0.1;
+
+fn describe(mechanism: &dyn Mechanism, patterns: &[Pattern], direction: &DVector<f64>) -> String {
+    let share = |p: &Pattern| (p.basis.transpose() * direction).norm_squared();
+    let mut shares: Vec<(f64, &Pattern)> = patterns.iter().map(|p| (share(p), p)).collect();
+    shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if let Some((part, pattern)) = shares.iter().find(|(part, p)| p.rigid && *part > 0.8) {
+        return format!("{} ({:.0} %)", pattern.name, 100.0 * part);
+    }
+    let legs: Vec<String> = shares
+        .iter()
+        .filter(|(part, p)| !p.rigid && *part > WORTH_NAMING)
+        .map(|(part, p)| format!("{} ({:.0} %)", p.name, 100.0 * part))
+        .collect();
+    let together: f64 = shares.iter().filter(|(_, p)| !p.rigid).map(|(part, _)| part).sum();
+    if together > MOSTLY && !legs.is_empty() {
+        return format!("points slide along their leg, its length following: {}", legs.join(", "));
+    }
+    let mut largest: Vec<(f64, &str)> =
+        direction.iter().zip(mechanism.parameters()).map(|(v, s)| (v * v, s.name.as_str())).collect();
+    largest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let names: Vec<String> =
+        largest.iter().take(4).map(|(part, name)| format!("{name} ({:.0} %)", 100.0 * part)).collect();
+    format!("a combination of {}", names.join(", "))
+}
+
+fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
+    let specs = mechanism.parameters();
+    let (c, home) = (mechanism.values(), mechanism.home());
+    let mut found = Vec::new();
+    for (body, label, effect) in
+        [(Body::Platform, "platform", "an attitude offset"), (Body::Base, "base", "a turn of the tracker")]
+    {
+        let points = body.points(mechanism, c);
+        let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / points.len().max(1) as f64;
+        let rigid = |turn: bool, axis: usize| {
+            let mut d = DVector::zeros(specs.len());
+            let unit = Vector3::ith(axis, 1.0);
+            for (k, spec) in specs.iter().enumerate() {
+                if let Some((leg, k_axis)) = body.coordinate(spec.role) {
+                    let point = points.iter().find(|(l, _)| *l == leg).map_or(centre, |(_, p)| *p);
+                    let motion = if turn { unit.cross(&(point - centre)) } else { unit };
+                    d[k] = motion[k_axis] / scale[k];
+                }
+            }
+            d
+        };
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let turn = format!("all {label} points turn together about {name}, {effect}");
+            let shift = format!("all {label} points shift together along {name}");
+            found.extend(pattern(turn, true, &[rigid(true, axis)]));
+            found.extend(pattern(shift, true, &[rigid(false, axis)]));
+        }
+        let turns: Vec<_> = (0..3).map(|axis| rigid(true, axis)).collect();
+        found.extend(pattern(format!("all {label} points turn together, {effect}"), true, &turns));
+    }
+    let platform = Body::Platform.points(mechanism, c);
+    let base = Body::Base.points(mechanism, c);
+    for (leg, a) in &platform {
+        let Some((_, b)) = base.iter().find(|(l, _)| l == leg) else { continue };
+        let along = (home.place(a) - b).normalize();
+        let along_platform = home.rotation.inverse() * along;
+        let mut columns = vec![DVector::zeros(specs.len()); 3];
+        for (k, spec) in specs.iter().enumerate() {
+            match spec.role {
+                ParameterRole::PlatformPoint { leg: l, axis } if l == *leg => {
+                    columns[0][k] = along_platform[axis.index()] / scale[k];
+                }
+                ParameterRole::BasePoint { leg: l, axis } if l == *leg => {
+                    columns[1][k] = along[axis.index()] / scale[k]
+                }
+                ParameterRole::JointOffset { leg: l } if l == *leg => columns[2][k] = 1.0 / scale[k],
+                _ => {}
+            }
+        }
+        found.extend(pattern(format!("A{0} and B{0}", leg + 1), false, &columns));
+    }
+    found
+}
+
+fn pattern(name: String, rigid: bool, columns: &[DVector<f64>]) -> Option<Pattern> {
+    let columns: Vec<DVector<f64>> = columns.iter().filter(|c| c.norm() > 0.0).cloned().collect();
+    if columns.is_empty() {
+        return None;
+    }
+    Some(Pattern { name, rigid, basis: DMatrix::from_columns(&columns).qr().q() })
+}

@@ -1,0 +1,96 @@
+//! Samples and their readings.
+
+use std::sync::Arc;
+
+use super::{Frames, MeasurementModel, Noise, RowKind};
+use crate::conditions::Conditions;
+
+/// One measured sample, without its reading.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Label from the file.
+    pub id: Option<String>,
+    /// 0-based data row in the file.
+    pub row: usize,
+    /// Commanded (or read) joint coordinates, SI.
+    pub joints: Vec<f64>,
+    /// Operating state.
+    pub conditions: Conditions,
+}
+
+/// Samples, their readings and their noise.
+///
+/// A subset shares the readings with the whole; the operating states were filled in for the whole file, so
+/// that the previous joints of a sample do not change when its neighbour is left out.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    samples: Arc<[Sample]>,
+    model: Arc<dyn MeasurementModel>,
+    kept: Vec<usize>,
+    /// 1σ of the readings; the model's covariances are made of it, or of the file's own columns.
+    pub noise: Noise,
+    /// Where the tracker and the target are.
+    pub frames: Frames,
+}
+
+impl Dataset {
+    /// All samples of a measurement.
+    ///
+    /// # Panics
+    /// If the model has another number of samples, which is a mistake of the caller.
+    #[allow(clippy::panic)]
+    pub fn new(samples: Vec<Sample>, model: Arc<dyn MeasurementModel>, noise: Noise) -> Self {
+        assert_eq!(samples.len(), model.samples(), "one reading for each sample");
+        Self { kept: (0..samples.len()).collect(), samples: samples.into(), model, noise, frames: Frames::default() }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// True without samples.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// The `k`-th sample that is kept.
+    pub fn sample(&self, k: usize) -> &Sample {
+        &self.samples[self.kept[k]]
+    }
+
+    /// The kept samples in order.
+    pub fn iter(&self) -> impl Iterator<Item = &Sample> {
+        self.kept.iter().map(|&k| &self.samples[k])
+    }
+
+    /// The model, and the index in it of the `k`-th kept sample.
+    pub fn reading(&self, k: usize) -> (&dyn MeasurementModel, usize) {
+        (self.model.as_ref(), self.kept[k])
+    }
+
+    /// The measurement model.
+    pub fn model(&self) -> &Arc<dyn MeasurementModel> {
+        &self.model
+    }
+
+    /// What the rows of the `k`-th kept sample measure.
+    pub fn rows(&self, k: usize) -> Vec<RowKind> {
+        self.model.rows(self.kept[k])
+    }
+
+    /// Number of rows of all kept samples.
+    pub fn row_count(&self) -> usize {
+        (0..self.len()).map(|k| self.rows(k).len()).sum()
+    }
+
+    /// The samples at these positions among the kept ones.
+    pub fn subset(&self, positions: &[usize]) -> Self {
+        Self { kept: positions.iter().map(|&k| self.kept[k]).collect(), ..self.clone() }
+    }
+
+    /// The same data seen with these frames.
+    pub fn with_frames(&self, frames: Frames) -> Self {
+        Self { frames, ..self.clone() }
+    }
+}

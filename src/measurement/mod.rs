@@ -1,0 +1,114 @@
+//! What was measured: samples, their noise, and how a reading depends on the pose.
+//!
+//! A [`Dataset`] is a list of [`Sample`]s (joints and operating state) and one [`MeasurementModel`] that
+//! knows the readings. A reading contributes $k$ rows: six for a full pose, fewer where coordinates were not
+//! measured, $3N$ for $N$ target points. For each sample the model states
+//!
+//! * the residual $r = \hat y(q) - y$, predicted minus measured,
+//! * its derivative along a small motion of the platform, $H = ∂r/∂(δt, δω)$ (k × 6), so that the
+//!   identification block is $H J_b$ (k × L),
+//! * its derivative along the model's own parameters (k × p), such as target points whose place on the
+//!   platform is not known,
+//! * the covariance of the reading (k × k).
+//!
+//! | model | reading | own parameters |
+//! |---|---|---|
+//! | [`PoseMeasurement`] | six coordinates of the pose, or some of them | – |
+//! | [`TargetMeasurement`] | positions of points on the platform | the points that are not known |
+//!
+//! **Frames.** A tracker reports in its own frame, and a target has a frame of its own: a full pose is
+//! measured as $B\,T(q)\,A$ with $B$ the base in the tracker's frame and $A$ the target on the platform
+//! ([`Frames`]). Both are identities until a registration finds them
+//! ([`crate::identification::register`]).
+
+mod dataset;
+mod frames;
+mod noise;
+mod pose_measurement;
+mod targets;
+
+use std::fmt::Debug;
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+pub use dataset::{Dataset, Sample};
+pub use frames::Frames;
+pub use noise::Noise;
+pub use pose_measurement::{PoseMeasurement, PoseReading};
+pub use targets::{TargetMeasurement, TargetPoint};
+
+use crate::mechanism::ParameterSpec;
+use crate::pose::Pose;
+
+/// What a row measures, so that position and rotation can be reported apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowKind {
+    /// A length, m.
+    Position,
+    /// An angle, rad.
+    Rotation,
+}
+
+/// How readings depend on the pose of the platform.
+///
+/// Samples are counted in the order in which they were measured; a [`Dataset`] may hold a part of them.
+pub trait MeasurementModel: Debug + Send + Sync {
+    /// What is measured, in a few words.
+    fn describe(&self) -> String;
+
+    /// Number of samples.
+    fn samples(&self) -> usize;
+
+    /// What each row of a sample measures; its length is the number $k$ of rows.
+    fn rows(&self, sample: usize) -> Vec<RowKind>;
+
+    /// Parameters of the measurement that are identified together with those of the mechanism.
+    fn own_parameters(&self) -> &[ParameterSpec] {
+        &[]
+    }
+
+    /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;
+    /// `None` stands for a sample that is left out.
+    fn start(&self, _poses: &[Option<Pose>], _frames: &Frames) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Residual and derivatives of one sample at a pose of the platform.
+    ///
+    /// `out` has been sized for the rows of the sample and is overwritten.
+    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
+
+    /// Covariance of the reading (k × k), SI.
+    fn covariance(&self, sample: usize, frames: &Frames) -> DMatrix<f64>;
+
+    /// The measured pose of a frame that is fixed to the platform, in the tracker's frame, if the reading
+    /// determines one. Registration starts from it.
+    fn rigid_pose(&self, sample: usize) -> Option<Pose>;
+
+    /// True if the target's frame on the platform is a matter of convention ([`Frames::target`]); false if the
+    /// readings are tied to the platform frame by known or identified target points.
+    fn has_target_frame(&self) -> bool {
+        true
+    }
+
+    /// The measured position of one point that is fixed to the platform, in the tracker's frame.
+    fn point(&self, sample: usize) -> Option<Vector3<f64>>;
+}
+
+/// Residual and derivatives of one sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    /// $\hat y - y$ (k), m and rad.
+    pub residual: DVector<f64>,
+    /// $∂\hat y/∂(δt, δω)$ (k × 6).
+    pub motion: DMatrix<f64>,
+    /// $∂\hat y/∂$ own parameters (k × p).
+    pub own: DMatrix<f64>,
+}
+
+impl Rows {
+    /// Zeros for `k` rows and `p` own parameters.
+    pub fn sized(k: usize, p: usize) -> Self {
+        Self { residual: DVector::zeros(k), motion: DMatrix::zeros(k, 6), own: DMatrix::zeros(k, p) }
+    }
+}

@@ -1,0 +1,156 @@
+//! Measured positions of points on the platform.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::pose_measurement::point_motion;
+use super::{Frames, MeasurementModel, RowKind, Rows};
+use crate::mechanism::{Axis, ParameterRole, ParameterSpec};
+use crate::pose::{Pose, fit_rigid_motion};
+use crate::units::Dimension;
+
+/// A point of the platform that is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetPoint {
+    /// Name in the file: `p1`.
+    pub name: String,
+    /// Where it is, platform frame, m; `None` if that is to be identified.
+    pub platform: Option<Vector3<f64>>,
+}
+
+/// Positions of targets, m, in the tracker's frame; coordinates may be missing.
+///
+/// Targets whose place on the platform is not known add three own parameters each. The platform frame is then
+/// held by the tolerances of the platform points alone: turning it with all platform points and targets
+/// changes no reading.
+#[derive(Clone, Debug)]
+pub struct TargetMeasurement {
+    targets: Vec<TargetPoint>,
+    /// By sample, then by target.
+    readings: Vec<Vec<[Option<f64>; 3]>>,
+    sigma: f64,
+    own: Vec<ParameterSpec>,
+}
+
+impl TargetMeasurement {
+    /// Readings by sample and target, with the same noise σ (m) in each coordinate.
+    pub fn new(targets: Vec<TargetPoint>, readings: Vec<Vec<[Option<f64>; 3]>>, sigma: f64) -> Self {
+        let spec = |name: &str, axis: Axis| ParameterSpec {
+            name: format!("{name}{}", ["x", "y", "z"][axis.index()]),
+            dimension: Dimension::Length,
+            nominal: f64::NAN,
+            tolerance: None,
+            role: ParameterRole::Other,
+        };
+        let unknown = targets.iter().filter(|t| t.platform.is_none());
+        let own = unknown.flat_map(|t| Axis::ALL.map(|axis| spec(&t.name, axis))).collect();
+        Self { targets, readings, sigma, own }
+    }
+
+    /// The targets, with the identified coordinates put in.
+    pub fn located(&self, own: &[f64]) -> Vec<TargetPoint> {
+        self.places(own)
+            .into_iter()
+            .zip(&self.targets)
+            .map(|(place, t)| TargetPoint { name: t.name.clone(), platform: Some(place) })
+            .collect()
+    }
+
+    /// Place of each target on the platform.
+    fn places(&self, own: &[f64]) -> Vec<Vector3<f64>> {
+        let mut rest = own.chunks_exact(3);
+        let next = |t: &TargetPoint| {
+            t.platform.unwrap_or_else(|| rest.next().map_or(Vector3::zeros(), Vector3::from_column_slice))
+        };
+        self.targets.iter().map(next).collect()
+    }
+
+    fn complete(&self, sample: usize) -> impl Iterator<Item = (usize, Vector3<f64>)> + '_ {
+        self.readings[sample].iter().enumerate().filter_map(|(t, r)| Some((t, Vector3::new(r[0]?, r[1]?, r[2]?))))
+    }
+}
+
+impl MeasurementModel for TargetMeasurement {
+    fn describe(&self) -> String {
+        let unknown = self.own.len() / 3;
+        let n = self.targets.len();
+        match unknown {
+            0 => format!("{n} target points"),
+            _ => format!("{n} target points, {unknown} of them at unknown places of the platform"),
+        }
+    }
+
+    fn samples(&self) -> usize {
+        self.readings.len()
+    }
+
+    fn rows(&self, sample: usize) -> Vec<RowKind> {
+        vec![RowKind::Position; self.readings[sample].iter().flatten().flatten().count()]
+    }
+
+    fn own_parameters(&self) -> &[ParameterSpec] {
+        &self.own
+    }
+
+    fn start(&self, poses: &[Option<Pose>], frames: &Frames) -> Vec<f64> {
+        let mut start = Vec::with_capacity(self.own.len());
+        for (t, _) in self.targets.iter().enumerate().filter(|(_, t)| t.platform.is_none()) {
+            let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+            for (sample, pose) in poses.iter().enumerate().filter_map(|(k, p)| Some((k, p.as_ref()?))) {
+                if let Some((_, p)) = self.complete(sample).find(|(k, _)| *k == t) {
+                    sum += pose.inverse().place(&frames.base.inverse().place(&p));
+                    count += 1.0;
+                }
+            }
+            start.extend((sum / f64::max(count, 1.0)).iter());
+        }
+        start
+    }
+
+    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+        let turn = frames.base.rotation.matrix();
+        out.own.fill(0.0);
+        let (mut row, mut unknown) = (0, 0);
+        for ((target, place), reading) in self.targets.iter().zip(self.places(own)).zip(&self.readings[sample]) {
+            let point = frames.base.place(&pose.place(&place));
+            let motion = turn * point_motion(pose, &place);
+            let along = turn * pose.rotation.matrix();
+            for (k, measured) in reading.iter().enumerate() {
+                let Some(measured) = measured else { continue };
+                out.residual[row] = point[k] - measured;
+                out.motion.row_mut(row).copy_from(&motion.row(k));
+                if target.platform.is_none() {
+                    out.own.view_mut((row, 3 * unknown), (1, 3)).copy_from(&along.row(k));
+                }
+                row += 1;
+            }
+            unknown += usize::from(target.platform.is_none());
+        }
+    }
+
+    fn covariance(&self, sample: usize, _frames: &Frames) -> DMatrix<f64> {
+        let k = self.rows(sample).len();
+        DMatrix::from_diagonal_element(k, k, self.sigma.powi(2))
+    }
+
+    fn has_target_frame(&self) -> bool {
+        false
+    }
+
+    fn rigid_pose(&self, sample: usize) -> Option<Pose> {
+        // Known places give the platform's own pose; otherwise the first sample defines a frame on it.
+        let known = self.targets.iter().all(|t| t.platform.is_some());
+        let first: Vec<(usize, Vector3<f64>)> = self.complete(0).collect();
+        let (mut from, mut to) = (Vec::new(), Vec::new());
+        for (t, seen) in self.complete(sample) {
+            let reference =
+                if known { self.targets[t].platform } else { first.iter().find(|(k, _)| *k == t).map(|(_, p)| *p) };
+            from.push(reference?);
+            to.push(seen);
+        }
+        fit_rigid_motion(&from, &to)
+    }
+
+    fn point(&self, sample: usize) -> Option<Vector3<f64>> {
+        self.complete(sample).find(|(t, _)| *t == 0).map(|(_, p)| p)
+    }
+}
