@@ -1,5 +1,6 @@
 //! paracal
 pub mod conditions;
+pub mod files;
 pub mod identification;
 pub mod measurement;
 pub mod mechanism;

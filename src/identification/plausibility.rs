@@ -25,12 +25,12 @@ pub struct Plausibility {
     pub target: Pose,
     /// Offset of each leg: true minus commanded length, against the start, m.
     pub leg_offsets: Vec<f64>,
-    /// Parameters beyond [`LIMIT`] tolerances after that.
+    /// Parameters beyond four tolerances after that.
     pub implausible: Vec<Implausible>,
 }
 
 /// Deviations up to this many tolerances are plausible.
-pub const LIMIT: f64 = 4.0;
+const LIMIT: f64 = 4.0;
 
 /// Takes the eighteen directions that are convention out of the identified values (two rigid motions and the leg
 /// offsets) and compares the rest with the tolerances.

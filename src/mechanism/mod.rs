@@ -36,6 +36,7 @@ pub use characteristics::{Body, characteristic_length, condition};
 pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
+pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};
 pub use workspace::Workspace;
 

@@ -1,0 +1,124 @@
+//! What a column of a table means, from its name.
+
+use crate::mechanism::{JointSpec, Mechanism};
+use crate::units::{Dimension, Unit};
+
+/// Meaning of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Meaning {
+    /// Label of the row.
+    Id,
+    /// Coordinate of a joint.
+    Joint(usize),
+    /// Coordinate of the measured pose.
+    Pose(usize),
+    /// Component w x y z of the measured rotation.
+    Quaternion(usize),
+    /// Coordinate of a target, by name and axis.
+    Target(String, usize),
+    /// 1σ of a coordinate of the measured pose.
+    Sigma(usize),
+    /// Coordinate of the commanded pose.
+    Commanded(usize),
+    /// Clock time.
+    Clock,
+    /// Anything else that is a number, by name without unit.
+    Covariate(String),
+}
+
+/// A column with the unit that its name states.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Column {
+    pub(super) name: String,
+    pub(super) meaning: Meaning,
+    pub(super) unit: Option<Unit>,
+}
+
+pub(super) const POSE_NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// Dimension of a pose coordinate.
+pub(super) fn pose_dimension(k: usize) -> Dimension {
+    if k < 3 { Dimension::Length } else { Dimension::Angle }
+}
+
+/// The column that a name stands for.
+///
+/// # Errors
+/// What is wrong with the name, and what to do.
+pub(super) fn column(name: &str, mechanism: &dyn Mechanism, targets: &[String]) -> Result<Column, String> {
+    let (base, unit) = match name.rsplit_once('_') {
+        Some((base, suffix)) => match Unit::named(suffix) {
+            Some(unit) => (base, Some(unit)),
+            None => (name, None),
+        },
+        None => (name, None),
+    };
+    let pose = |text: &str| POSE_NAMES.iter().position(|n| *n == text);
+    let with = |meaning: Meaning, dimension: Dimension| match unit {
+        Some(unit) if unit.dimension == dimension => Ok(Column { name: name.into(), meaning, unit: Some(unit) }),
+        Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
+        None => Err(missing_unit(name, base, dimension)),
+    };
+    if name == "id" {
+        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None });
+    }
+    if name == "time_utc" {
+        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None });
+    }
+    if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
+        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None });
+    }
+    // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate.
+    let stem = name.rsplit_once('_').map_or(name, |(stem, _)| stem);
+    for candidate in [base, stem] {
+        if let Some(k) = joint(candidate, mechanism.joints()) {
+            return with(Meaning::Joint(k), mechanism.joints()[k].dimension);
+        }
+        if let Some(k) = pose(candidate) {
+            return with(Meaning::Pose(k), pose_dimension(k));
+        }
+        if let Some(k) = candidate.strip_prefix("sigma_").and_then(pose) {
+            return with(Meaning::Sigma(k), pose_dimension(k));
+        }
+        if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
+            return with(Meaning::Commanded(k), pose_dimension(k));
+        }
+        if let Some((target, axis)) = target(candidate, targets) {
+            return with(Meaning::Target(target, axis), Dimension::Length);
+        }
+        if candidate.starts_with("temp_") {
+            return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
+        }
+    }
+    if leg_number(base).is_some() {
+        return Err(format!("the mechanism has {} legs", mechanism.joints().len()));
+    }
+    Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit })
+}
+
+fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
+    let choices = dimension.choices();
+    let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
+    let stem = if name == base {
+        name.rsplit_once('_').map_or(name, |(s, _)| if s == "cmd" || s == "sigma" || s == "temp" { name } else { s })
+    } else {
+        base
+    };
+    format!("the name must end in a unit ({choices}), such as '{stem}_{first}'")
+}
+
+fn joint(name: &str, joints: &[JointSpec]) -> Option<usize> {
+    joints.iter().position(|j| j.name == name)
+}
+
+fn leg_number(name: &str) -> Option<usize> {
+    name.strip_prefix("leg")?.parse().ok()
+}
+
+/// Target and axis of `p1x`, or of the name of a target of the mechanism file with an axis.
+fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
+    let axis = ["x", "y", "z"].iter().position(|a| name.ends_with(a))?;
+    let stem = &name[..name.len() - 1];
+    let numbered = stem.strip_prefix('p').is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
+    (numbered || targets.iter().any(|t| t == stem)).then(|| (stem.to_owned(), axis))
+}

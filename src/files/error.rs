@@ -1,0 +1,173 @@
+//! What can be wrong with a file.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::mechanism::{GeometryError, KinematicsError};
+use crate::units::UnitError;
+
+/// What can be wrong with a file; every message names the file, the place and the remedy.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// It cannot be read.
+    #[error("{}: cannot be read: {cause}", path.display())]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+    /// It is a folder.
+    #[error("{}: is a folder; name a file", path.display())]
+    Folder {
+        /// Folder.
+        path: PathBuf,
+    },
+    /// It has nothing in it.
+    #[error("{}: the file is empty", path.display())]
+    Empty {
+        /// File.
+        path: PathBuf,
+    },
+    /// It is not text.
+    #[error("{}: is not UTF-8 text (first bad byte at {offset}); save it as UTF-8", path.display())]
+    Encoding {
+        /// File.
+        path: PathBuf,
+        /// Offset of the first bad byte.
+        offset: usize,
+    },
+    /// It is not TOML, or a key is unknown, missing or of the wrong type.
+    #[error("{}: {message}", path.display())]
+    Toml {
+        /// File.
+        path: PathBuf,
+        /// Line, column, excerpt and reason.
+        message: String,
+    },
+    /// A value of a mechanism file is not acceptable.
+    #[error("{}: {place}: {problem}", path.display())]
+    Value {
+        /// File.
+        path: PathBuf,
+        /// Section and key.
+        place: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A unit of a mechanism file.
+    #[error("{}: {place}: {cause}", path.display())]
+    Unit {
+        /// File.
+        path: PathBuf,
+        /// Key.
+        place: &'static str,
+        /// Which units there are.
+        cause: UnitError,
+    },
+    /// The legs are no mechanism.
+    #[error("{}: {cause}", path.display())]
+    Geometry {
+        /// File.
+        path: PathBuf,
+        /// What is wrong.
+        cause: GeometryError,
+    },
+    /// A header of a table.
+    #[error("{}: column '{column}': {problem}", path.display())]
+    Column {
+        /// File.
+        path: PathBuf,
+        /// Column as it is named in the file.
+        column: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// The header as a whole.
+    #[error("{}: {problem}", path.display())]
+    Header {
+        /// File.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// A row has too few or too many cells.
+    #[error("{}: data row {row} (line {line}) has {found} cells, the header has {expected}", path.display())]
+    RowLength {
+        /// File.
+        path: PathBuf,
+        /// 0-based data row.
+        row: usize,
+        /// Line in the file.
+        line: u64,
+        /// Cells found.
+        found: usize,
+        /// Cells of the header.
+        expected: usize,
+    },
+    /// One cell.
+    #[error("{}: data row {row} (line {line}), column '{column}': '{value}' {problem}", path.display())]
+    Cell {
+        /// File.
+        path: PathBuf,
+        /// 0-based data row.
+        row: usize,
+        /// Line in the file.
+        line: u64,
+        /// Column.
+        column: String,
+        /// What the cell holds.
+        value: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The pose of a row has no joints.
+    #[error("{}: data row {row}: {cause}", path.display())]
+    Kinematics {
+        /// File.
+        path: PathBuf,
+        /// 0-based data row.
+        row: usize,
+        /// What is wrong.
+        cause: KinematicsError,
+    },
+    /// An output cannot be written; nothing was.
+    #[error("{}: cannot be written: {cause}; nothing was written", path.display())]
+    Write {
+        /// File.
+        path: PathBuf,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+    /// An output would replace an input.
+    #[error("{}: is also an input; an input is never overwritten, choose another name for the output", path.display())]
+    OverInput {
+        /// File.
+        path: PathBuf,
+    },
+    /// Two outputs have the same name.
+    #[error("{}: is named twice as an output", path.display())]
+    TwiceOutput {
+        /// File.
+        path: PathBuf,
+    },
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// [`FileError`] if it is missing, a folder, empty or not UTF-8.
+pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
+    if path.is_dir() {
+        return Err(FileError::Folder { path: path.into() });
+    }
+    let bytes = std::fs::read(path).map_err(|cause| FileError::Read { path: path.into(), cause })?;
+    let text = String::from_utf8(bytes)
+        .map_err(|e| FileError::Encoding { path: path.into(), offset: e.utf8_error().valid_up_to() })?;
+    let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
+    if text.trim().is_empty() {
+        return Err(FileError::Empty { path: path.into() });
+    }
+    Ok(text)
+}

@@ -1,0 +1,271 @@
+//! A mechanism file, read: the mechanism and what else is known about it.
+
+use std::any::Any;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+
+use super::document::{HomeSection, LegEntry, MechanismDocument, TargetEntry, WorkspaceSection};
+use super::error::{FileError, read_text};
+use crate::measurement::{Noise, TargetPoint};
+use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
+use crate::pose::PoseConvention;
+use crate::units::{Dimension, Unit};
+
+/// The only kind of mechanism that files can state so far.
+const SIX_HARDPOINT: &str = "six-hardpoint";
+
+/// A mechanism with its surroundings, SI.
+#[derive(Debug)]
+pub struct Machine {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// The mechanism.
+    pub mechanism: Box<dyn Mechanism>,
+    /// How its file and its data write poses.
+    pub convention: PoseConvention,
+    /// The workspace, if it is stated.
+    pub workspace: Option<Workspace>,
+    /// The noise, if it is stated.
+    pub noise: Option<Noise>,
+    /// Measured points of the platform.
+    pub targets: Vec<TargetPoint>,
+    /// Unit of its lengths.
+    pub length_unit: Unit,
+    /// Unit of its angles.
+    pub angle_unit: Unit,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    document: MechanismDocument,
+}
+
+/// Reads numbers of one file into SI and names what is wrong with them.
+struct Reader<'a> {
+    path: &'a Path,
+    length: Unit,
+    angle: Unit,
+}
+
+impl Reader<'_> {
+    fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
+        FileError::Value { path: self.path.into(), place: place.into(), problem: problem.into() }
+    }
+
+    fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        if v.is_finite() { Ok(v) } else { Err(self.value(place, format!("{v} is not a finite number"))) }
+    }
+
+    fn at_least(&self, place: &str, v: f64, positive: bool) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        match (positive, v) {
+            (true, v) if v <= 0.0 => {
+                Err(self.value(place, format!("must be positive, found {v}; leave the section out if it is not known")))
+            }
+            (false, v) if v < 0.0 => Err(self.value(place, format!("must not be negative, found {v}"))),
+            _ => Ok(v),
+        }
+    }
+
+    fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
+        for v in p {
+            self.finite(place, *v)?;
+        }
+        Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
+    }
+
+    fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
+        let p = self.point(place, position)?;
+        for v in rotation {
+            self.finite(place, *v)?;
+        }
+        let r = rotation.map(|v| self.angle.to_si(v));
+        Ok([p.x, p.y, p.z, r[0], r[1], r[2]])
+    }
+}
+
+impl Machine {
+    /// Reads a mechanism file.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let text = read_text(path)?;
+        Self::from_text(&text, path)
+    }
+
+    /// Reads the text of a mechanism file; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_text(text: &str, path: &Path) -> Result<Self, FileError> {
+        if text.trim_start().starts_with('<') {
+            let message = "is an XML file; this version reads mechanism files in TOML (type = \"six-hardpoint\")";
+            return Err(FileError::Toml { path: path.into(), message: message.into() });
+        }
+        let document: MechanismDocument = toml::from_str(text)
+            .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
+        let unit = |dimension, name: &str, place| {
+            Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: path.into(), place, cause })
+        };
+        let reader = Reader {
+            path,
+            length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
+            angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
+        };
+        build(&reader, document)
+    }
+
+    /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
+    /// whose places were identified. Sections that do not change are kept.
+    ///
+    /// # Errors
+    /// [`FileError::Value`] for a mechanism of another kind.
+    pub fn document_of(
+        &self,
+        mechanism: &dyn Mechanism,
+        workspace: Option<&Workspace>,
+        targets: &[TargetPoint],
+    ) -> Result<MechanismDocument, FileError> {
+        let Some(legs) = (mechanism as &dyn Any).downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
+            return Err(FileError::Value {
+                path: self.path.clone(),
+                place: "type".into(),
+                problem: format!("a mechanism of another kind than '{SIX_HARDPOINT}' cannot be written"),
+            });
+        };
+        let length = |v: f64| self.length_unit.from_si(v);
+        let angle = |v: f64| self.angle_unit.from_si(v);
+        let point = |p: &Vector3<f64>| [length(p.x), length(p.y), length(p.z)];
+        let entry = |l: &Leg| LegEntry {
+            platform: point(&l.platform),
+            base: point(&l.base),
+            length: length(l.length),
+            length_offset: length(l.length_offset),
+            stroke: l.stroke.map(|s| s.map(length)),
+        };
+        let six = |q: [f64; 6]| ([length(q[0]), length(q[1]), length(q[2])], [angle(q[3]), angle(q[4]), angle(q[5])]);
+        let mut document = self.document.clone();
+        document.legs = legs.iter().map(entry).collect();
+        let (position, rotation) = six(self.convention.coordinates(&mechanism.home()));
+        document.home = Some(HomeSection { position, rotation });
+        if let Some(w) = workspace {
+            let (position, rotation) = six(w.half);
+            document.workspace = Some(WorkspaceSection { position, rotation });
+        }
+        if !targets.is_empty() {
+            let entry =
+                |t: &TargetPoint| TargetEntry { name: t.name.clone(), platform: t.platform.as_ref().map(point) };
+            document.targets = targets.iter().map(entry).collect();
+        }
+        Ok(document)
+    }
+}
+
+fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
+    let path = r.path;
+    if document.kind != SIX_HARDPOINT {
+        return Err(r.value("type", format!("'{}' is not a kind of mechanism; use \"{SIX_HARDPOINT}\"", document.kind)));
+    }
+    if !document.effects.is_empty() {
+        return Err(r.value("[[effect]]", "this version cannot use effects; it would command without them"));
+    }
+    let geometry = |cause| FileError::Geometry { path: path.into(), cause };
+    let mut legs = Vec::with_capacity(6);
+    for (i, l) in document.legs.iter().enumerate() {
+        let place = |key: &str| format!("leg {}, `{key}`", i + 1);
+        legs.push(Leg {
+            platform: r.point(&place("platform"), &l.platform)?,
+            base: r.point(&place("base"), &l.base)?,
+            length: r.length.to_si(r.at_least(&place("length"), l.length, true)?),
+            length_offset: r.length.to_si(r.finite(&place("length_offset"), l.length_offset)?),
+            stroke: l.stroke.map(|s| s.map(|v| r.length.to_si(v))),
+        });
+    }
+    if legs.len() != 6 {
+        return Err(geometry(GeometryError::LegCount { found: legs.len() }));
+    }
+    if !document.shared_anchors {
+        check_distinct_anchors(&legs).map_err(geometry)?;
+    }
+    let pivot = r.point("pivot", &document.pivot)?;
+    let convention = PoseConvention { order: document.rotation_order, pivot };
+    let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
+    let tolerance = match &document.tolerance {
+        None => None,
+        Some(t) => {
+            let anchor = r.length.to_si(r.at_least("[tolerance] anchor", t.anchor, true)?);
+            let length = t.length.map(|v| r.at_least("[tolerance] length", v, true)).transpose()?;
+            Some((anchor, length.map_or(anchor, |v| r.length.to_si(v))))
+        }
+    };
+    let mechanism =
+        SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
+    let workspace = match &document.workspace {
+        None => None,
+        Some(w) => {
+            for v in w.position.iter().chain(&w.rotation) {
+                r.at_least("[workspace]", *v, false)?;
+            }
+            let half = r.six("[workspace]", &w.position, &w.rotation)?;
+            Some(Workspace { convention, centre: convention.coordinates(&mechanism.home()), half })
+        }
+    };
+    let noise = match &document.noise {
+        None => None,
+        Some(n) => Some(Noise {
+            position: r.length.to_si(r.at_least("[noise] position", n.position, true)?),
+            rotation: r.angle.to_si(r.at_least("[noise] rotation", n.rotation, true)?),
+            joint: r.length.to_si(r.at_least("[noise] joint", n.joint, false)?),
+            known: true,
+        }),
+    };
+    let mut targets = Vec::new();
+    for t in &document.targets {
+        let place = format!("[[target]] '{}'", t.name);
+        if targets.iter().any(|k: &TargetPoint| k.name == t.name) {
+            return Err(r.value(place, "is stated twice"));
+        }
+        let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
+        targets.push(TargetPoint { name: t.name.clone(), platform });
+    }
+    let warnings = warnings(&mechanism, &legs);
+    Ok(Machine {
+        path: path.into(),
+        mechanism: Box::new(mechanism),
+        convention,
+        workspace,
+        noise,
+        targets,
+        length_unit: r.length,
+        angle_unit: r.angle,
+        warnings,
+        document,
+    })
+}
+
+fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {
+    let at = crate::conditions::Conditions::unknown();
+    let Ok(lengths) = mechanism.inverse(mechanism.values(), &mechanism.home(), &at) else { return Vec::new() };
+    let mut warnings = Vec::new();
+    let off = legs.iter().zip(&lengths).map(|(l, h)| (l.length - l.length_offset - h).abs()).fold(0.0, f64::max);
+    if off > 1e-3 * legs[0].length {
+        warnings.push(format!(
+            "the leg lengths at the stated home differ from `length` by up to {:.3} mm; commanded lengths are absolute, so \
+             check which of the two is meant",
+            1e3 * off
+        ));
+    }
+    for (i, (l, h)) in legs.iter().zip(&lengths).enumerate() {
+        if let Some([from, to]) = l.stroke.filter(|[from, to]| h < from || h > to) {
+            warnings.push(format!(
+                "leg {}: its length at home, {:.3} mm, is outside its stroke {:.3} to {:.3} mm",
+                i + 1,
+                1e3 * h,
+                1e3 * from,
+                1e3 * to
+            ));
+        }
+    }
+    warnings
+}

@@ -1,0 +1,30 @@
+//! Files: mechanism files (TOML), measurements and pose lists (CSV), and how output reaches the disk.
+//!
+//! * [`Machine`] is a mechanism file: the mechanism, and what else is known about it (workspace, noise,
+//!   targets). Units are named in the file; everything is SI once it is read.
+//! * [`read_measurement`] and [`read_poses`] read CSV whose column names carry the unit.
+//! * [`Outputs`] writes files whole or not at all.
+//!
+//! Errors name the file, the place in it, the value and what to do ([`FileError`]).
+
+mod column;
+mod document;
+mod error;
+mod machine;
+mod measurement_file;
+mod outputs;
+mod pose_file;
+mod table;
+mod time;
+mod writer;
+
+pub use document::{
+    ActuatorSection, HomeSection, LegEntry, MechanismDocument, NoiseSection, PlatformSection, TargetEntry,
+    ToleranceSection, WorkspaceSection,
+};
+pub use error::FileError;
+pub use machine::Machine;
+pub use measurement_file::{Measurement, read_measurement};
+pub use outputs::Outputs;
+pub use pose_file::{ListedPose, read_parameter_errors, read_poses};
+pub use writer::{CsvTable, number};

@@ -1,0 +1,164 @@
+//! Output files appear whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::FileError;
+
+/// Files that are to appear together.
+///
+/// Each is written under a temporary name in its own folder; only when all are on the disk are they renamed.
+/// What is not a regular file (`/dev/stdout`, a pipe) is written directly, after the others are staged.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    files: Vec<(PathBuf, Vec<u8>)>,
+    inputs: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// Outputs of a command that reads `inputs`; none of these is ever written.
+    pub fn beside_inputs<P: AsRef<Path>>(inputs: impl IntoIterator<Item = P>) -> Self {
+        Self { files: Vec::new(), inputs: inputs.into_iter().map(|p| p.as_ref().into()).collect() }
+    }
+
+    /// Checks that `path` may be written, before any work is done for it.
+    ///
+    /// # Errors
+    /// [`FileError::OverInput`], [`FileError::Folder`], or [`FileError::Write`] if its folder does not exist.
+    pub fn check(&self, path: &Path) -> Result<(), FileError> {
+        if path.is_dir() {
+            return Err(FileError::Folder { path: path.into() });
+        }
+        if self.inputs.iter().any(|input| same_file(input, path)) {
+            return Err(FileError::OverInput { path: path.into() });
+        }
+        let folder = folder_of(path);
+        match fs::metadata(folder) {
+            Ok(meta) if meta.is_dir() => Ok(()),
+            Ok(_) => Err(write_error(path, std::io::Error::other(format!("{} is not a folder", folder.display())))),
+            Err(cause) => Err(write_error(path, cause)),
+        }
+    }
+
+    /// Adds a file.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check), and [`FileError::TwiceOutput`].
+    pub fn add(&mut self, path: &Path, text: impl Into<Vec<u8>>) -> Result<(), FileError> {
+        self.check(path)?;
+        if self.files.iter().any(|(other, _)| same_file(other, path)) {
+            return Err(FileError::TwiceOutput { path: path.into() });
+        }
+        self.files.push((path.into(), text.into()));
+        Ok(())
+    }
+
+    /// Writes all files, or none.
+    ///
+    /// # Errors
+    /// [`FileError::Write`]; temporary files are removed.
+    pub fn write(self) -> Result<(), FileError> {
+        let mut staged: Vec<(PathBuf, PathBuf)> = Vec::new();
+        let result = self.stage(&mut staged);
+        if result.is_err() {
+            for (temporary, _) in &staged {
+                // It may not have come into being; there is nothing to do about it either way.
+                let _ = fs::remove_file(temporary);
+            }
+            return result;
+        }
+        for (temporary, path) in &staged {
+            fs::rename(temporary, path).map_err(|cause| {
+                let _ = fs::remove_file(temporary);
+                write_error(path, cause)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn stage(&self, staged: &mut Vec<(PathBuf, PathBuf)>) -> Result<(), FileError> {
+        let regular = |path: &Path| fs::metadata(path).map_or(true, |m| m.is_file());
+        for (path, bytes) in self.files.iter().filter(|(p, _)| regular(p)) {
+            // A link is followed, so that the file behind it is replaced and not the link.
+            let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+            let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+            let temporary = folder_of(&path).join(format!(".{name}.{}.part", std::process::id()));
+            staged.push((temporary.clone(), path.clone()));
+            let written = File::create(&temporary).and_then(|mut f| {
+                f.write_all(bytes)?;
+                f.sync_all()
+            });
+            written.map_err(|cause| write_error(&path, cause))?;
+        }
+        for (path, bytes) in self.files.iter().filter(|(p, _)| !regular(p)) {
+            let written = OpenOptions::new().write(true).open(path).and_then(|mut f| {
+                f.write_all(bytes)?;
+                f.flush()
+            });
+            written.map_err(|cause| write_error(path, cause))?;
+        }
+        Ok(())
+    }
+}
+
+fn write_error(path: &Path, cause: std::io::Error) -> FileError {
+    FileError::Write { path: path.into(), cause }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    if a == b {
+        return true;
+    }
+    match (fs::canonicalize(a), fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b || same_inode(&a, &b),
+        _ => false,
+    }
+}
+
+#[cfg(unix)]
+fn same_inode(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    match (fs::metadata(a), fs::metadata(b)) {
+        (Ok(a), Ok(b)) => a.dev() == b.dev() && a.ino() == b.ino(),
+        _ => false,
+    }
+}
+
+#[cfg(not(unix))]
+fn same_inode(_: &Path, _: &Path) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failure_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let (good, missing) = (folder.path().join("a.txt"), folder.path().join("no/such/b.txt"));
+        let mut outputs = Outputs::default();
+        outputs.add(&good, "text").unwrap();
+        assert!(matches!(outputs.add(&missing, "text"), Err(FileError::Write { .. })));
+        outputs.files.push((missing, b"text".to_vec()));
+        assert!(outputs.write().is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn inputs_are_never_written_even_through_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("in.toml");
+        fs::write(&input, "x").unwrap();
+        let link = folder.path().join("link.toml");
+        fs::hard_link(&input, &link).unwrap();
+        let outputs = Outputs::beside_inputs([&input]);
+        assert!(matches!(outputs.check(&input), Err(FileError::OverInput { .. })));
+        assert!(matches!(outputs.check(&link), Err(FileError::OverInput { .. })));
+    }
+}

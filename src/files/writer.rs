@@ -1,0 +1,40 @@
+//! Numbers and tables as text.
+
+/// A number in the fewest digits that keep 15 significant ones, so that 0.8 m reads 800 and not
+/// 800.0000000000001 when it is written in mm.
+pub fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.14e}").parse().unwrap_or(value);
+    format!("{:?}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+/// A table to be written as CSV.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CsvTable {
+    /// Comment lines above the header, without `#`.
+    pub comments: Vec<String>,
+    /// Column names with units.
+    pub header: Vec<String>,
+    /// Cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl CsvTable {
+    /// The file's text.
+    pub fn to_text(&self) -> String {
+        let mut text: String = self.comments.iter().map(|c| format!("# {c}\n")).collect();
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            let cells: Vec<String> = row.iter().map(|c| quoted(c)).collect();
+            text += &cells.join(",");
+            text.push('\n');
+        }
+        text
+    }
+}
+
+fn quoted(cell: &str) -> String {
+    if cell.contains(['"', ',', '\n', '\r']) || cell.starts_with('#') {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.into()
+    }
+}
