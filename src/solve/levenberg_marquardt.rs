@@ -4,7 +4,7 @@ use argmin::core::{KV, Problem, Solver, TerminationReason};
 use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::{Convergence, IterationRecord, KeepsProgress, Progress, SolveError};
-use super::linear::{LinearMethod, column_norms, solve_step};
+use super::linear::{LinearMethod, LinearStep, column_norms, solve_step};
 use super::state::SolverState;
 use super::{LeastSquaresOptions, LeastSquaresProblem};
 
@@ -19,11 +19,20 @@ use super::{LeastSquaresOptions, LeastSquaresProblem};
 /// With `initial_damping = 0` the first steps are plain Gauss–Newton until one fails. Convergence is only
 /// declared on the undamped step, so that a run that creeps under heavy damping does not pass for one that
 /// has arrived; the last step is computed by QR.
+///
+/// Three things keep it from going astray or stopping early:
+/// - $D$ remembers longer columns and forgets them slowly. A column that becomes short would otherwise free its
+///   unknown to run away (Moré 1978 keeps the longest for good, which stalls after a start with huge columns).
+/// - A step across which a column all but vanishes is rejected, even if it reduces the cost: it leads to a
+///   plateau where the residual no longer tells that unknown, and no later step would find back.
+/// - Near the minimum the cost changes by less than its rounding error, so it cannot rank two points there. A
+///   step that leaves the cost as it was and reduces the gradient is accepted too.
 pub struct LevenbergMarquardt {
     options: LeastSquaresOptions,
     progress: Progress,
     trial_residual: DVector<f64>,
     trial_jacobian: DMatrix<f64>,
+    scale: DVector<f64>,
     damping: f64,
     growth: f64,
 }
@@ -31,6 +40,25 @@ pub struct LevenbergMarquardt {
 const FIRST_DAMPING_AFTER_FAILURE: f64 = 1e-4;
 const NO_DAMPING_BELOW: f64 = 1e-14;
 const HOPELESS_DAMPING: f64 = 1e30;
+/// The part of a longer column's length that $D$ keeps from one step to the next.
+const SCALE_MEMORY: f64 = 0.8;
+/// A column that one step shortens to less than this part has vanished.
+const VANISHED: f64 = 1e-4;
+/// Predicted relative reduction of the cost below which its rounding error may hide what a step does.
+const FLAT: f64 = 1e-8;
+/// Damping above which a flat step that fails at a minimum shows that rounding is all that is left: the
+/// curvature that Gauss–Newton neglects asks for a damping about 1.
+const HOPELESS_DAMPING_WHERE_FLAT: f64 = 1e3;
+
+/// Longest projection of `r` on a column: the gradient in units of the residual.
+fn slope(j: &DMatrix<f64>, r: &DVector<f64>) -> f64 {
+    j.tr_mul(r).component_div(&column_norms(j)).amax()
+}
+
+/// Length of the step as a part of the unknowns.
+fn relative_size(columns: &DVector<f64>, delta: &DVector<f64>, x: &DVector<f64>) -> f64 {
+    columns.component_mul(delta).norm() / columns.component_mul(x).norm().max(f64::MIN_POSITIVE)
+}
 
 impl LevenbergMarquardt {
     /// A solver for a problem of that shape.
@@ -40,42 +68,71 @@ impl LevenbergMarquardt {
             progress: Progress::new(shape),
             trial_residual: DVector::zeros(shape.0),
             trial_jacobian: DMatrix::zeros(shape.0, shape.1),
+            scale: DVector::zeros(shape.1),
             damping: options.initial_damping,
             growth: 2.0,
         }
     }
 
-    /// Converged if the undamped step is negligible; it is then taken if it helps.
-    fn arrived(&mut self, problem: &mut impl LeastSquaresProblem, x: &mut DVector<f64>, scale: &DVector<f64>) -> bool {
-        let p = &mut self.progress;
-        let norm = p.residual.norm();
-        if norm <= self.options.residual_floor {
-            p.convergence = Some(Convergence::ExactFit);
-            return true;
+    /// Whether the trial point is to replace the current one.
+    fn improves(&self, flat: bool) -> bool {
+        let (r, j) = (&self.progress.residual, &self.progress.jacobian);
+        let (trial_r, trial_j) = (&self.trial_residual, &self.trial_jacobian);
+        let (before, after) = (r.norm(), trial_r.norm());
+        if !after.is_finite() || trial_j.iter().any(|v| !v.is_finite()) {
+            return false;
         }
-        let Some(step) = solve_step(&p.jacobian, &p.residual, scale, 0.0, LinearMethod::Qr) else { return false };
-        let size = scale.component_mul(&step.delta).norm() / scale.component_mul(x).norm().max(f64::MIN_POSITIVE);
-        let reason = if step.moved <= self.options.gradient_tolerance * norm {
+        if j.column_iter().zip(trial_j.column_iter()).any(|(then, now)| now.norm() < VANISHED * then.norm()) {
+            return false;
+        }
+        after < before || flat && after <= before * (1.0 + FLAT) && slope(trial_j, trial_r) < slope(j, r)
+    }
+
+    /// Makes the trial point the current one; the caller moves the unknowns.
+    fn accept(&mut self, step: &LinearStep, damping: f64) {
+        std::mem::swap(&mut self.progress.residual, &mut self.trial_residual);
+        std::mem::swap(&mut self.progress.jacobian, &mut self.trial_jacobian);
+        let cost = 0.5 * self.progress.residual.norm_squared();
+        self.progress.history.push(IterationRecord { cost, step: step.delta.amax(), damping });
+    }
+
+    fn undamped_step(&self, columns: &DVector<f64>) -> Option<LinearStep> {
+        solve_step(&self.progress.jacobian, &self.progress.residual, columns, 0.0, LinearMethod::Qr)
+    }
+
+    /// Converged if the undamped step is negligible; it is then taken if it helps.
+    fn arrived(
+        &mut self,
+        problem: &mut impl LeastSquaresProblem,
+        x: &mut DVector<f64>,
+        columns: &DVector<f64>,
+    ) -> bool {
+        let Some(step) = self.undamped_step(columns) else { return false };
+        let reason = if step.moved <= self.options.gradient_tolerance * self.progress.residual.norm() {
             Convergence::SmallGradient
-        } else if size <= self.options.step_tolerance {
+        } else if relative_size(columns, &step.delta, x) <= self.options.step_tolerance {
             Convergence::SmallStep
         } else {
             return false;
         };
         let trial = &*x + &step.delta;
         let evaluated = problem.linearize(&trial, &mut self.trial_residual, &mut self.trial_jacobian);
-        if evaluated.is_ok() && self.trial_residual.norm() <= norm {
-            std::mem::swap(&mut p.residual, &mut self.trial_residual);
-            std::mem::swap(&mut p.jacobian, &mut self.trial_jacobian);
-            p.history.push(IterationRecord {
-                cost: 0.5 * p.residual.norm_squared(),
-                step: step.delta.amax(),
-                damping: 0.0,
-            });
+        if evaluated.is_ok() && self.improves(true) {
+            self.accept(&step, 0.0);
             *x = trial;
         }
-        p.convergence = Some(reason);
+        self.progress.convergence = Some(reason);
         true
+    }
+
+    /// Where no step helps: whether that is a minimum to rounding, and not heavy damping or a broken Jacobian.
+    fn stalled_at_minimum(&self, x: &DVector<f64>, columns: &DVector<f64>) -> bool {
+        let p = &self.progress;
+        let negligible = FLAT.sqrt() * p.residual.norm();
+        match self.undamped_step(columns) {
+            Some(step) => step.moved <= negligible || relative_size(columns, &step.delta, x) <= FLAT,
+            None => slope(&p.jacobian, &p.residual) <= negligible,
+        }
     }
 }
 
@@ -122,7 +179,8 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
         let (Some(problem), Some(mut x)) = (problem.problem.as_mut(), state.param.take()) else {
             return Err(argmin::core::Error::msg("the solver was started without a point"));
         };
-        let scale = column_norms(&self.progress.jacobian);
+        let columns = column_norms(&self.progress.jacobian);
+        self.scale = (&self.scale * SCALE_MEMORY).sup(&columns);
         let norm = self.progress.residual.norm();
         if norm <= self.options.residual_floor {
             self.progress.convergence = Some(Convergence::ExactFit);
@@ -130,8 +188,10 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
             return Ok((state.stop(TerminationReason::SolverConverged), None));
         }
         loop {
+            // An undamped step does not depend on the scale; the columns' own lengths condition it best.
+            let scale = if self.damping > 0.0 { &self.scale } else { &columns };
             let step =
-                solve_step(&self.progress.jacobian, &self.progress.residual, &scale, self.damping, self.options.linear);
+                solve_step(&self.progress.jacobian, &self.progress.residual, scale, self.damping, self.options.linear);
             let Some(step) = step else {
                 self.damping = (self.damping * 10.0).max(FIRST_DAMPING_AFTER_FAILURE);
                 if self.damping > HOPELESS_DAMPING {
@@ -143,29 +203,23 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
                 }
                 continue;
             };
-            let size = scale.component_mul(&step.delta).norm() / scale.component_mul(&x).norm().max(f64::MIN_POSITIVE);
+            // |r|² - |r + Jδ|² = |Jδ|² + 2λ|Dδ|² at the damped minimum.
+            let predicted = step.moved.powi(2) + 2.0 * self.damping * scale.component_mul(&step.delta).norm_squared();
+            let size = relative_size(&columns, &step.delta, &x);
             let small = step.moved <= self.options.gradient_tolerance * norm || size <= self.options.step_tolerance;
-            if small && self.arrived(*problem, &mut x, &scale) {
+            if small && self.arrived(*problem, &mut x, &columns) {
                 state.cost = 0.5 * self.progress.residual.norm_squared();
                 state.param = Some(x);
                 return Ok((state.stop(TerminationReason::SolverConverged), None));
             }
+            let flat = predicted <= FLAT * norm * norm;
             let trial = &x + &step.delta;
             let evaluated = problem.linearize(&trial, &mut self.trial_residual, &mut self.trial_jacobian);
-            let after = self.trial_residual.norm();
-            let scaled = scale.component_mul(&step.delta).norm();
-            // |r|² - |r + Jδ|² = |Jδ|² + 2λ|Dδ|² at the damped minimum.
-            let predicted = step.moved.powi(2) + 2.0 * self.damping * scaled.powi(2);
-            let ratio = (norm - after) * (norm + after) / predicted.max(f64::MIN_POSITIVE);
-            let finite = after.is_finite() && self.trial_jacobian.iter().all(|v| v.is_finite());
-            if evaluated.is_ok() && finite && after < norm {
-                self.progress.history.push(IterationRecord {
-                    cost: 0.5 * after * after,
-                    step: step.delta.amax(),
-                    damping: self.damping,
-                });
-                std::mem::swap(&mut self.progress.residual, &mut self.trial_residual);
-                std::mem::swap(&mut self.progress.jacobian, &mut self.trial_jacobian);
+            if evaluated.is_ok() && self.improves(flat) {
+                let after = self.trial_residual.norm();
+                // Where flat, the reduction is rounding error and the model is as good as exact.
+                let ratio = if flat { 1.0 } else { (norm - after) * (norm + after) / predicted };
+                self.accept(&step, self.damping);
                 self.damping *= (1.0 - (2.0 * ratio.min(1.0) - 1.0).powi(3)).max(1.0 / 3.0);
                 if self.damping < NO_DAMPING_BELOW {
                     self.damping = 0.0;
@@ -175,15 +229,20 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
                 state.param = Some(trial);
                 return Ok((state, None));
             }
-            if self.damping > HOPELESS_DAMPING || scaled <= f64::EPSILON * scale.component_mul(&x).norm() {
-                // No step, however short, reduces the cost: a minimum to rounding, or a broken Jacobian.
-                if step.moved <= 1e-6 * norm || after <= norm * (1.0 + 1e-12) {
-                    self.progress.convergence = Some(Convergence::SmallStep);
+            let hopeless = self.damping > HOPELESS_DAMPING || size <= f64::EPSILON;
+            if hopeless || flat && self.damping > HOPELESS_DAMPING_WHERE_FLAT {
+                let minimum = self.stalled_at_minimum(&x, &columns);
+                self.progress.convergence = minimum.then_some(Convergence::SmallStep);
+                if hopeless || minimum {
+                    state.param = Some(x);
+                    return Ok((state.stop(TerminationReason::SolverExit("no step helps".into())), None));
                 }
-                state.param = Some(x);
-                return Ok((state.stop(TerminationReason::SolverExit("no step helps".into())), None));
             }
-            self.damping = (self.damping * self.growth).max(FIRST_DAMPING_AFTER_FAILURE);
+            // From the damping that failed and not from the first one: a curved valley needs small ones throughout.
+            self.damping = match self.damping {
+                0.0 => FIRST_DAMPING_AFTER_FAILURE,
+                damping => damping * self.growth,
+            };
             self.growth *= 2.0;
         }
     }
