@@ -5,6 +5,8 @@ pub mod identification;
 pub mod measurement;
 pub mod mechanism;
 pub mod pose;
+pub mod report;
+pub mod simulation;
 pub mod solve;
 pub mod units;
 pub use nalgebra;

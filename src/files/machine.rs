@@ -249,7 +249,7 @@ fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {
     let Ok(lengths) = mechanism.inverse(mechanism.values(), &mechanism.home(), &at) else { return Vec::new() };
     let mut warnings = Vec::new();
     let off = legs.iter().zip(&lengths).map(|(l, h)| (l.length - l.length_offset - h).abs()).fold(0.0, f64::max);
-    if off > 1e-3 * legs[0].length {
+    if off > 1e-2 * legs[0].length {
         warnings.push(format!(
             "the leg lengths at the stated home differ from `length` by up to {:.3} mm; commanded lengths are absolute, so \
              check which of the two is meant",

@@ -1,1 +1,69 @@
-fn main() {}
+//! `paracal`: calibrates parallel mechanisms from the command line.
+
+mod calibrate;
+mod common;
+mod compensate;
+mod evaluate;
+mod inspect;
+mod simulate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use common::{Ui, report_error};
+
+/// Calibrates parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms.
+#[derive(Parser)]
+#[command(version, about, propagate_version = true)]
+#[command(
+    after_help = "Exit codes: 0 done; 2 the input or the call is wrong, nothing was written; 3 done and written, \
+                        but the result must not be trusted."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Print one JSON object on standard output, nothing else there.
+    #[arg(long, global = true)]
+    json: bool,
+    /// No progress and no warnings.
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Threads to use; results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Geometry, home, strokes, conditioning, and what 20 good poses could tell.
+    Inspect(inspect::Args),
+    /// What a tracker would measure of a mechanism with errors.
+    Simulate(simulate::Args),
+    /// Parameters from measured data, and how far to trust them.
+    Calibrate(calibrate::Args),
+    /// Errors of a model on measured data; nothing is fitted.
+    Evaluate(evaluate::Args),
+    /// Leg lengths to command for poses.
+    Compensate(compensate::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let ui = Ui { json: cli.json, quiet: cli.quiet };
+    if let Some(threads) = cli.threads {
+        // It fails only if a pool exists already, and this is the first use.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
+    let done = match &cli.command {
+        Command::Inspect(args) => inspect::run(args, &ui),
+        Command::Simulate(args) => simulate::run(args, &ui),
+        Command::Calibrate(args) => calibrate::run(args, &ui),
+        Command::Evaluate(args) => evaluate::run(args, &ui),
+        Command::Compensate(args) => compensate::run(args, &ui),
+    };
+    match done {
+        Ok(code) => code,
+        Err(error) => report_error(&error),
+    }
+}

@@ -1,0 +1,184 @@
+//! `paracal calibrate`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use paracal::files::{CsvTable, Outputs, number};
+use paracal::identification::{
+    Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, LeastSquares, Loss, PriorPolicy, Robust,
+    Weights, calibrate, identifier,
+};
+use paracal::report::{json, text};
+
+use crate::common::{Ui, verdict};
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Prior {
+    /// The tolerance where the data do not decide.
+    Auto,
+    /// The tolerance, always.
+    Tolerance,
+    /// None.
+    None,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum WeightChoice {
+    /// Rows weighted by the noise.
+    Noise,
+    /// Millimetres and radians as they are: the paper's estimator.
+    None,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LossChoice {
+    Huber,
+    Tukey,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum SolverChoice {
+    /// QR steps of this program.
+    Qr,
+    /// argmin's built-in Gauss-Newton.
+    Argmin,
+}
+
+/// Arguments of `calibrate`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal calibrate mechanisms/table5.toml measured.csv -o calibrated.toml")]
+pub(crate) struct Args {
+    /// Mechanism file.
+    mechanism: PathBuf,
+    /// Measurement file: joints and what was measured.
+    data: PathBuf,
+    /// Calibrated mechanism file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// levenberg-marquardt, least-squares (the paper's iteration) or robust.
+    #[arg(long, default_value = "levenberg-marquardt", value_parser = clap::builder::PossibleValuesParser::new(IDENTIFIERS))]
+    identifier: String,
+    /// Whether tolerances are used as prior knowledge.
+    #[arg(long, value_enum, default_value = "auto")]
+    prior: Prior,
+    /// How rows are weighted.
+    #[arg(long, value_enum, default_value = "noise")]
+    weights: WeightChoice,
+    /// Part of the rows to hold out (0 to 1), or a second measurement file; 5 folds if absent.
+    #[arg(long, value_name = "PART|FILE")]
+    holdout: Option<String>,
+    /// Loss of the robust identifier.
+    #[arg(long, value_enum, default_value = "tukey")]
+    loss: LossChoice,
+    /// Solver of the least-squares identifier.
+    #[arg(long, value_enum, default_value = "qr")]
+    solver: SolverChoice,
+    /// Seed of the folds and of the poses at which errors are predicted.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Also write the covariance of the parameters (SI) as CSV.
+    #[arg(long, value_name = "FILE")]
+    covariance: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let second = args.holdout.as_ref().filter(|h| h.parse::<f64>().is_err()).map(PathBuf::from);
+    let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
+    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
+    outputs.check(&args.output)?;
+    if let Some(path) = &args.covariance {
+        outputs.check(path)?;
+    }
+    let machine = ui.machine(&args.mechanism)?;
+    let measurement = ui.measurement(&args.data, &machine)?;
+    let holdout = match (&args.holdout, &second) {
+        (None, _) => Holdout::Folds(5),
+        (_, Some(path)) => Holdout::Data(ui.measurement(path, &machine)?.data),
+        (Some(part), None) => match part.parse::<f64>() {
+            Ok(part) if part > 0.0 && part < 1.0 => Holdout::Fraction(part),
+            _ => bail!("--holdout {part}: a part of the rows lies between 0 and 1, such as 0.2; or name a file"),
+        },
+    };
+    let options = CalibrationOptions {
+        prior: match args.prior {
+            Prior::Auto => PriorPolicy::Auto,
+            Prior::Tolerance => PriorPolicy::Tolerance,
+            Prior::None => PriorPolicy::None,
+        },
+        weights: match args.weights {
+            WeightChoice::Noise => Weights::Noise,
+            WeightChoice::None => Weights::MillimetresAndRadians,
+        },
+        holdout,
+        seed: args.seed,
+    };
+    let chosen = chosen_identifier(args)?;
+    let progress = ui.progress(format!("calibrating with {} samples", measurement.data.len()));
+    let mechanism = machine.mechanism.as_ref();
+    let result = calibrate(mechanism, &measurement.data, machine.workspace.as_ref(), chosen.as_ref(), &options)
+        .with_context(|| args.data.display().to_string())?;
+    progress.finish_and_clear();
+
+    let targets =
+        measurement.targets.as_ref().map(|t| t.located(&result.identification.own_values())).unwrap_or_default();
+    let document = machine.document_of(result.mechanism.as_ref(), result.workspace.as_ref(), &targets)?;
+    outputs.add(&args.output, document.to_text())?;
+    if let Some(path) = &args.covariance {
+        outputs.add(path, covariance_table(&result).to_text())?;
+    }
+    outputs.write()?;
+    result.verdict.warnings.iter().for_each(|w| ui.warn(w));
+    let title = mechanism.name();
+    ui.result(
+        &text::calibration(&result, title, &measurement.data.model().describe(), chosen.name()),
+        &json::calibration(&result, chosen.name(), &largest_correlations(&result)),
+    );
+    Ok(verdict(result.verdict.trusted))
+}
+
+fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {
+    match args.identifier.as_str() {
+        "least-squares" => Ok(Box::new(LeastSquares { builtin: args.solver == SolverChoice::Argmin })),
+        "robust" if args.weights == WeightChoice::None => {
+            bail!("--weights none: the robust identifier judges rows by the noise; use least-squares")
+        }
+        "robust" => {
+            let loss = match args.loss {
+                LossChoice::Huber => Loss::Huber,
+                LossChoice::Tukey => Loss::Tukey,
+            };
+            Ok(Box::new(Robust { loss, ..Robust::default() }))
+        }
+        name => identifier(name).with_context(|| format!("no identifier is called '{name}'")),
+    }
+}
+
+fn covariance_table(result: &Calibration) -> CsvTable {
+    let names = result.parameters[..result.identification.mechanism_parameters].iter().map(|p| p.spec.name.clone());
+    let names: Vec<String> = names.collect();
+    let row = |(k, name): (usize, &String)| {
+        std::iter::once(name.clone()).chain(result.covariance.row(k).iter().map(|v| number(*v))).collect()
+    };
+    CsvTable {
+        comments: vec!["covariance of the parameters, SI".into()],
+        header: std::iter::once("parameter".to_owned()).chain(names.iter().cloned()).collect(),
+        rows: names.iter().enumerate().map(row).collect(),
+    }
+}
+
+/// The ten pairs of parameters that are most correlated.
+fn largest_correlations(result: &Calibration) -> Vec<(String, String, f64)> {
+    let correlation = result.identification.correlation();
+    let names = &result.identification.parameters;
+    let mut pairs = Vec::new();
+    for i in 0..names.len() {
+        for j in i + 1..names.len() {
+            pairs.push((names[i].spec.name.clone(), names[j].spec.name.clone(), correlation[(i, j)]));
+        }
+    }
+    pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+    pairs.truncate(10);
+    pairs
+}

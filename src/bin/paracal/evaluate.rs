@@ -1,0 +1,36 @@
+//! `paracal evaluate`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use paracal::identification::evaluate;
+use paracal::report::{json, text};
+
+use crate::common::Ui;
+
+/// Arguments of `evaluate`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal evaluate calibrated.toml other-day.csv")]
+pub(crate) struct Args {
+    /// Mechanism file, nominal or calibrated.
+    mechanism: PathBuf,
+    /// Measurement file.
+    data: PathBuf,
+}
+
+/// A nominal model that misses by this part of the platform's radius is likely to be in another frame.
+const OTHER_FRAME: f64 = 0.05;
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let machine = ui.machine(&args.mechanism)?;
+    let measurement = ui.measurement(&args.data, &machine)?;
+    let mechanism = machine.mechanism.as_ref();
+    let errors = evaluate(mechanism, &[], &measurement.data).with_context(|| args.data.display().to_string())?;
+    let size = paracal::mechanism::characteristic_length(mechanism);
+    if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
+        ui.warn("the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it");
+    }
+    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));
+    Ok(ExitCode::SUCCESS)
+}

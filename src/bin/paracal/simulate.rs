@@ -1,0 +1,153 @@
+//! `paracal simulate`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Result, anyhow};
+use paracal::files::{CsvTable, ListedPose, Machine, Outputs, number, read_parameter_errors, read_poses};
+use paracal::measurement::Noise;
+use paracal::mechanism::Mechanism;
+use paracal::pose::Pose;
+use paracal::simulation::{SimulatedSample, draw_parameters, simulate};
+use paracal::units::{Dimension, parse_quantity, show_angle, show_length};
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use serde_json::json;
+
+use crate::common::Ui;
+
+/// Arguments of `simulate`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example: paracal simulate mechanisms/table5.toml --poses poses.csv -o data.csv --error-sd 0.5mm --truth truth.toml"
+)]
+pub(crate) struct Args {
+    /// Nominal mechanism file; the lengths are commanded by it.
+    mechanism: PathBuf,
+    /// List of poses to command.
+    #[arg(long, value_name = "FILE")]
+    poses: PathBuf,
+    /// Measurement file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Draw a normal error of this standard deviation for every parameter.
+    #[arg(long, value_name = "LENGTH", conflicts_with = "errors")]
+    error_sd: Option<String>,
+    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm.
+    #[arg(long, value_name = "FILE")]
+    errors: Option<PathBuf>,
+    /// 1 sigma of a measured position coordinate; that of the mechanism file if absent.
+    #[arg(long, value_name = "LENGTH")]
+    noise_position: Option<String>,
+    /// 1 sigma of a measured angle; that of the mechanism file if absent.
+    #[arg(long, value_name = "ANGLE")]
+    noise_rotation: Option<String>,
+    /// Seed of errors and noise.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Also write the true mechanism.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let inputs = [Some(&args.mechanism), Some(&args.poses), args.errors.as_ref()];
+    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
+    outputs.check(&args.output)?;
+    if let Some(truth) = &args.truth {
+        outputs.check(truth)?;
+    }
+    let quantity = |option: &str, text: &Option<String>, dimension| match text {
+        None => Ok(None),
+        Some(text) => match parse_quantity(text, dimension) {
+            Ok(value) if value < 0.0 => Err(anyhow!("--{option} {text}: must not be negative")),
+            Ok(value) => Ok(Some(value)),
+            Err(cause) => Err(anyhow!("--{option}: {cause}")),
+        },
+    };
+    let error_sd = quantity("error-sd", &args.error_sd, Dimension::Length)?;
+    let position = quantity("noise-position", &args.noise_position, Dimension::Length)?;
+    let rotation = quantity("noise-rotation", &args.noise_rotation, Dimension::Angle)?;
+    let machine = ui.machine(&args.mechanism)?;
+    let mechanism = machine.mechanism.as_ref();
+    let listed = read_poses(&args.poses, &machine)?;
+    let stated = machine.noise.unwrap_or(Noise::stated(0.0, 0.0));
+    let noise = Noise {
+        position: position.unwrap_or(stated.position),
+        rotation: rotation.unwrap_or(stated.rotation),
+        ..stated
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
+    let values = match (&args.errors, error_sd) {
+        (Some(path), _) => {
+            let errors = read_parameter_errors(path, mechanism)?;
+            mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect()
+        }
+        (None, Some(sd)) => draw_parameters(mechanism, Some(sd), &mut rng),
+        (None, None) => mechanism.values().to_vec(),
+    };
+    let truth = mechanism.with_values(&values, mechanism.home())?;
+    let poses: Vec<Pose> = listed.iter().map(|l| l.pose).collect();
+    let samples = simulate(mechanism, truth.as_ref(), &poses, &machine.convention, &noise, &mut rng)
+        .map_err(|(row, cause)| anyhow!("{}: data row {row}: {cause}", args.poses.display()))?;
+    warn_outside(ui, mechanism, &samples);
+    outputs.add(&args.output, measurement(&machine, &listed, &samples, &noise, args.seed).to_text())?;
+    if let Some(path) = &args.truth {
+        let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[])?;
+        outputs.add(path, document.to_text())?;
+    }
+    outputs.write()?;
+    let text = format!(
+        "{} samples in {}: noise {} and {}, seed {}",
+        samples.len(),
+        args.output.display(),
+        show_length(noise.position),
+        show_angle(noise.rotation),
+        args.seed
+    );
+    let shown = json!({
+        "rows": samples.len(), "noise_position_m": noise.position, "noise_rotation_rad": noise.rotation,
+        "seed": args.seed, "true_values": truth.values(),
+    });
+    ui.result(&text, &shown);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {
+    let outside = |s: &&SimulatedSample| {
+        mechanism.joints().iter().zip(&s.joints).any(|(j, v)| j.stroke.is_some_and(|[a, b]| *v < a || *v > b))
+    };
+    let count = samples.iter().filter(outside).count();
+    if count > 0 {
+        ui.warn(&format!("{count} of {} poses need joints outside their stroke", samples.len()));
+    }
+}
+
+fn measurement(
+    machine: &Machine,
+    listed: &[ListedPose],
+    samples: &[SimulatedSample],
+    noise: &Noise,
+    seed: u64,
+) -> CsvTable {
+    let (length, angle) = (machine.length_unit, machine.angle_unit);
+    let labelled = listed.iter().any(|p| p.id.is_some());
+    let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
+    header.extend(machine.mechanism.joints().iter().map(|j| format!("{}_{}", j.name, length.name)));
+    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
+    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
+    let row = |(pose, sample): (&ListedPose, &SimulatedSample)| {
+        let mut cells: Vec<String> = if labelled { vec![pose.id.clone().unwrap_or_default()] } else { Vec::new() };
+        cells.extend(sample.joints.iter().map(|v| number(length.from_si(*v))));
+        cells.extend(sample.measured[..3].iter().map(|v| number(length.from_si(*v))));
+        cells.extend(sample.measured[3..].iter().map(|v| number(angle.from_si(*v))));
+        cells
+    };
+    let comments = vec![format!(
+        "simulated: {}, noise {} and {}, seed {seed}",
+        machine.mechanism.name(),
+        show_length(noise.position),
+        show_angle(noise.rotation)
+    )];
+    CsvTable { comments, header, rows: listed.iter().zip(samples).map(row).collect() }
+}

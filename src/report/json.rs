@@ -1,0 +1,104 @@
+//! One JSON object for each command. Numbers are SI; what is not known is `null`.
+
+use serde_json::{Value, json};
+
+use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, PredictedError};
+use crate::mechanism::Mechanism;
+use crate::pose::Pose;
+
+/// A number, or `null` if it is not finite.
+fn real(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+/// `{position_m, rotation_rad}`.
+pub fn errors(e: &ErrorSummary) -> Value {
+    json!({ "position_m": e.position.map(real), "rotation_rad": e.rotation.map(real) })
+}
+
+fn motion(pose: &Pose) -> Value {
+    let q = pose.coordinates();
+    json!({ "position_m": &q[..3], "rotation_rad": &q[3..] })
+}
+
+fn estimate(p: &Estimate) -> Value {
+    json!({
+        "name": p.spec.name,
+        "nominal": real(p.spec.nominal),
+        "value": real(p.value),
+        "sigma": p.sigma.map(real),
+        "unit": p.spec.dimension.si(),
+    })
+}
+
+fn predicted(p: &PredictedError) -> Value {
+    json!({
+        "poses": p.poses,
+        "rms": { "position_m": p.position_rms, "rotation_rad": p.rotation_rms },
+        "max": { "position_m": p.position_max, "rotation_rad": p.rotation_max },
+    })
+}
+
+/// The object of `calibrate`.
+pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, String, f64)]) -> Value {
+    let found = &c.identification;
+    let own = &c.parameters[found.mechanism_parameters..];
+    let history: Vec<Value> = found
+        .history
+        .iter()
+        .map(|h| json!({ "cost": real(h.cost), "step": real(h.step), "damping": real(h.damping) }))
+        .collect();
+    let outliers: Vec<usize> = found.outliers.clone();
+    json!({
+        "identifier": identifier,
+        "converged": c.converged,
+        "convergence": if c.converged { json!(found.convergence.text()) } else { Value::Null },
+        "iterations": found.history.len(),
+        "history": history,
+        "samples": found.poses.len(),
+        "parameters": c.parameters[..found.mechanism_parameters].iter().map(estimate).collect::<Vec<_>>(),
+        "measurement_parameters": own.iter().map(estimate).collect::<Vec<_>>(),
+        "correlations": correlations.iter().map(|(a, b, r)| json!({ "first": a, "second": b, "correlation": r })).collect::<Vec<_>>(),
+        "rms_before": errors(&c.before),
+        "rms_after": errors(&c.after),
+        "held_out": c.held_out.as_ref().map(|h| errors(&h.rms)),
+        "held_out_rows": c.held_out.as_ref().map(|h| h.samples),
+        "predicted": c.predicted.as_ref().map(predicted),
+        "prior": found.prior,
+        "noise_scale": real(found.noise_scale),
+        "chi_square": real(found.misfit.chi_square),
+        "degrees_of_freedom": found.misfit.degrees_of_freedom,
+        "p_value": found.misfit.p_value().map(real),
+        "frames": {
+            "registered": c.registration.applied,
+            "base": motion(&c.plausibility.base),
+            "target": motion(&c.plausibility.target),
+            "leg_offsets_m": c.plausibility.leg_offsets,
+        },
+        "weak_directions": c.weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
+        "implausible": c.plausibility.implausible.iter().map(|p| json!({
+            "name": p.name, "deviation": real(p.deviation), "tolerance": real(p.tolerance),
+        })).collect::<Vec<_>>(),
+        "outlier_rows": outliers,
+        "trusted": c.verdict.trusted,
+        "reasons": c.verdict.reasons,
+        "warnings": c.verdict.warnings,
+    })
+}
+
+/// The object of `evaluate`.
+pub fn evaluation(e: &ModelErrors) -> Value {
+    let row = |s: &crate::identification::PoseErrors| json!({ "row": s.row, "position_m": s.position.map(real), "rotation_rad": s.rotation.map(real) });
+    json!({
+        "rows": e.samples.len(),
+        "rms": errors(&e.rms()),
+        "mean": errors(&e.mean()),
+        "max": errors(&e.max()),
+        "errors": e.samples.iter().map(row).collect::<Vec<_>>(),
+    })
+}
+
+/// Joint names of a mechanism.
+pub fn joints(mechanism: &dyn Mechanism) -> Value {
+    json!(mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>())
+}

@@ -1,0 +1,6 @@
+//! Results as people and programs read them; nothing is computed here.
+//!
+//! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on.
+
+pub mod json;
+pub mod text;

@@ -1,0 +1,173 @@
+//! Tables and sentences for a terminal of 80 columns.
+
+use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::units::{Dimension, show_angle, show_length, three_digits};
+
+/// A table with right-aligned columns; the first column is left-aligned.
+pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let columns = header.len();
+    let width = |k: usize| {
+        rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count()).chain([header[k].chars().count()]).max()
+    };
+    let widths: Vec<usize> = (0..columns).map(|k| width(k).unwrap_or(0)).collect();
+    let line = |cells: Vec<&str>| {
+        let padded: Vec<String> = cells
+            .iter()
+            .zip(&widths)
+            .enumerate()
+            .map(|(k, (cell, w))| if k == 0 { format!("{cell:<w$}") } else { format!("{cell:>w$}") })
+            .collect();
+        format!("{}\n", padded.join("  ").trim_end())
+    };
+    let body = rows.iter().map(|r| line(r.iter().map(String::as_str).collect()));
+    std::iter::once(line(header.to_vec())).chain(body).collect()
+}
+
+fn errors_row(name: &str, e: &ErrorSummary) -> Vec<String> {
+    let shown = |v: Option<f64>, f: fn(f64) -> String| v.map_or_else(|| "-".into(), f);
+    vec![name.into(), shown(e.position, show_length), shown(e.rotation, show_angle)]
+}
+
+/// Deviations of the parameters from the file with their σ: a line of each for a leg, in mm.
+fn parameter_table(parameters: &[Estimate]) -> String {
+    let per_leg = parameters.iter().take_while(|p| p.spec.name.ends_with('1')).count();
+    let grid = per_leg > 0
+        && parameters.len() % per_leg == 0
+        && per_leg <= 8
+        && parameters.iter().all(|p| p.spec.dimension == Dimension::Length);
+    if !grid {
+        let row = |p: &Estimate| {
+            let sigma = p.sigma.map_or_else(|| "?".into(), |s| format!("{s:.3e}"));
+            let deviation = format!("{:+.6e}", p.value - p.start);
+            vec![p.spec.name.clone(), format!("{:.9}", p.value), deviation, sigma, p.spec.dimension.si().into()]
+        };
+        let rows: Vec<Vec<String>> = parameters.iter().map(row).collect();
+        return table(&["parameter", "value", "deviation", "sigma", "unit"], &rows);
+    }
+    let names: Vec<String> = parameters[..per_leg].iter().map(|p| p.spec.name.trim_end_matches('1').into()).collect();
+    let mut header = vec!["leg"];
+    header.extend(names.iter().map(String::as_str));
+    let mut rows = Vec::new();
+    for (leg, chunk) in parameters.chunks(per_leg).enumerate() {
+        let deviations = chunk.iter().map(|p| format!("{:+.4}", 1e3 * (p.value - p.start)));
+        rows.push(std::iter::once((leg + 1).to_string()).chain(deviations).collect());
+        let sigmas = chunk.iter().map(|p| p.sigma.map_or_else(|| "?".into(), |s| format!("~{:.4}", 1e3 * s)));
+        rows.push(std::iter::once(String::new()).chain(sigmas).collect());
+    }
+    format!("Deviation from the file and its 1 sigma (~), mm\n{}", table(&header, &rows))
+}
+
+/// What `calibrate` prints; the last line is the result in one sentence.
+pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -> String {
+    let found = &c.identification;
+    let n = found.mechanism_parameters;
+    let samples = found.poses.len();
+    let prior = if found.prior { "tolerances as prior" } else { "no prior" };
+    let mut text = format!("{title}\n{samples} samples ({kind}), {identifier}, {prior}\n\n");
+    text += &parameter_table(&found.parameters[..n]);
+    if found.parameters.len() > n {
+        text += "\nIdentified target coordinates\n";
+        text += &parameter_table(&found.parameters[n..]);
+    }
+    text += "\n";
+    let mut rows = vec![errors_row("before", &c.before), errors_row("fitted", &c.after)];
+    if let Some(h) = &c.held_out {
+        rows.push(errors_row(&format!("held out ({} rows)", h.samples), &h.rms));
+    }
+    if let Some(p) = &c.predicted {
+        let e = ErrorSummary { position: Some(p.position_rms), rotation: Some(p.rotation_rms) };
+        rows.push(errors_row(
+            if c.workspace.is_some() { "model error, workspace" } else { "model error, these poses" },
+            &e,
+        ));
+    }
+    text += &table(&["RMS error", "position", "rotation"], &rows);
+    if let Some(p) = found.misfit.p_value() {
+        let scale = found.misfit.scale().unwrap_or(f64::NAN);
+        let free = found.misfit.degrees_of_freedom;
+        text += &format!(
+            "\nResiduals are {} times the stated noise (chi-square {:.1}, {free} degrees of freedom, p = {}).\n",
+            three_digits(scale),
+            found.misfit.chi_square,
+            three_digits(p)
+        );
+    }
+    if c.registration.applied {
+        let (b, t) = (&c.plausibility.base, &c.plausibility.target);
+        text += &format!(
+            "\nFrames: the base stands {} away and turned by {} in the tracker's frame;\n        the target sits {} away and turned by {} on the platform.\n",
+            show_length(b.position.norm()),
+            show_angle(crate::pose::rotation_vector(&b.rotation).norm()),
+            show_length(t.position.norm()),
+            show_angle(crate::pose::rotation_vector(&t.rotation).norm()),
+        );
+    }
+    text += &weak_directions(c);
+    for p in &c.plausibility.implausible {
+        text += &format!(
+            "Implausible: {} deviates by {:+.3} mm (tolerance {:.3} mm).\n",
+            p.name,
+            1e3 * p.deviation,
+            1e3 * p.tolerance
+        );
+    }
+    text += &match c.verdict.trusted {
+        true => "\nThe result can be trusted.\n".to_owned(),
+        false => format!("\nDo not trust this result: {}.\n", c.verdict.reasons.join("; ")),
+    };
+    text + &result_line(c)
+}
+
+fn weak_directions(c: &Calibration) -> String {
+    const SHOWN: usize = 6;
+    if c.weak.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "\nThe data decide {} of {} directions; not decided (tolerance over sigma from the data):\n",
+        c.identification.mechanism_parameters - c.weak.len(),
+        c.identification.mechanism_parameters
+    );
+    for w in c.weak.iter().take(SHOWN) {
+        text += &format!("  {:>8}  {}\n", three_digits(w.sigma), w.text);
+    }
+    if c.weak.len() > SHOWN {
+        text += &format!("  and {} more (--json lists all)\n", c.weak.len() - SHOWN);
+    }
+    let poses = c.predicted.as_ref().map(|p| show_length(p.position_rms));
+    text += "These parameters are not determined; poses inside the workspace still are";
+    text += &poses.map_or_else(|| ".\n".into(), |p| format!(", to {p}.\n"));
+    text
+}
+
+fn result_line(c: &Calibration) -> String {
+    let measured = |e: &ErrorSummary| match (e.position, e.rotation) {
+        (Some(p), _) => show_length(p),
+        (None, Some(r)) => show_angle(r),
+        _ => "-".into(),
+    };
+    let held =
+        c.held_out.as_ref().map_or_else(|| "not held out".into(), |h| format!("{} (held out)", measured(&h.rms)));
+    format!(
+        "{} parameters, {} poses: RMS {} -> {} (fitted), {held}",
+        c.parameters.len(),
+        c.identification.poses.len(),
+        measured(&c.before),
+        measured(&c.after),
+    )
+}
+
+/// What `evaluate` prints.
+pub fn evaluation(e: &ModelErrors, title: &str) -> String {
+    let rows = [errors_row("RMS", &e.rms()), errors_row("mean", &e.mean()), errors_row("largest", &e.max())];
+    let worst = e.samples.iter().max_by(|a, b| a.position.unwrap_or(0.0).total_cmp(&b.position.unwrap_or(0.0)));
+    let mut text = format!(
+        "{title}: {} rows, nothing fitted\n\n{}",
+        e.samples.len(),
+        table(&["error", "position", "rotation"], &rows)
+    );
+    if let Some((row, p)) = worst.and_then(|w| Some((w.row, w.position?))) {
+        text += &format!("\nThe largest position error, {}, is in data row {row}.", show_length(p));
+    }
+    text
+}

@@ -1,0 +1,104 @@
+//! Mechanisms with known errors, and what a tracker would measure of them.
+//!
+//! The generator shares no formula with the identification: it commands the lengths of the *nominal* inverse
+//! kinematics, solves the full forward kinematics of the *true* mechanism, and adds noise to the coordinates
+//! (section 4.1, steps 1 and 2). The identification works with columns of Jacobians.
+//!
+//! Randomness comes in as a seeded generator. [`monte_carlo`] gives each draw a stream of its own, so that
+//! results are the same on any number of threads.
+
+use std::sync::Arc;
+
+use rand::rngs::ChaCha8Rng;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+use crate::conditions::Conditions;
+use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::mechanism::{KinematicsError, Mechanism};
+use crate::pose::{Pose, PoseConvention};
+
+/// One simulated sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulatedSample {
+    /// Joints as they are recorded: commanded, with reading noise if there is any.
+    pub joints: Vec<f64>,
+    /// Where the true mechanism went.
+    pub truth: Pose,
+    /// Measured coordinates, m and rad.
+    pub measured: [f64; 6],
+}
+
+/// A normal number with standard deviation `sd`.
+fn normal<R: Rng + ?Sized>(rng: &mut R, sd: f64) -> f64 {
+    let z: f64 = StandardNormal.sample(rng);
+    sd * z
+}
+
+/// Parameters of a mechanism with a normal error on each: of standard deviation `sd`, or of its tolerance where
+/// `sd` is `None` (none where it has no tolerance).
+pub fn draw_parameters<R: Rng + ?Sized>(mechanism: &dyn Mechanism, sd: Option<f64>, rng: &mut R) -> Vec<f64> {
+    let drawn = |(spec, value): (&crate::mechanism::ParameterSpec, &f64)| {
+        value + normal(rng, sd.or(spec.tolerance).unwrap_or(0.0))
+    };
+    mechanism.parameters().iter().zip(mechanism.values()).map(drawn).collect()
+}
+
+/// Commands each pose by the nominal mechanism, lets the true one go there, and measures.
+///
+/// # Errors
+/// Index of the pose and [`KinematicsError`] if the nominal mechanism has no joints for it, or the true one no
+/// pose for the joints.
+pub fn simulate<R: Rng + ?Sized>(
+    nominal: &dyn Mechanism,
+    truth: &dyn Mechanism,
+    poses: &[Pose],
+    convention: &PoseConvention,
+    noise: &Noise,
+    rng: &mut R,
+) -> Result<Vec<SimulatedSample>, (usize, KinematicsError)> {
+    let at = Conditions::unknown();
+    let mut samples = Vec::with_capacity(poses.len());
+    for (k, pose) in poses.iter().enumerate() {
+        let mut joints = nominal.inverse(nominal.values(), pose, &at).map_err(|e| (k, e))?;
+        let went = truth.forward(truth.values(), &joints, &at, pose).map_err(|e| (k, e))?;
+        let mut measured = convention.coordinates(&went);
+        for (c, value) in measured.iter_mut().enumerate() {
+            *value += normal(rng, if c < 3 { noise.position } else { noise.rotation });
+        }
+        if noise.joint > 0.0 {
+            for joint in &mut joints {
+                *joint += normal(rng, noise.joint);
+            }
+        }
+        samples.push(SimulatedSample { joints, truth: went, measured });
+    }
+    Ok(samples)
+}
+
+/// The simulated samples as full poses with this noise.
+pub fn as_dataset(samples: &[SimulatedSample], convention: &PoseConvention, noise: &Noise) -> Dataset {
+    let (p, r) = (noise.position, noise.rotation);
+    let sigma = [p, p, p, r, r, r];
+    let readings = samples.iter().map(|s| PoseReading { values: s.measured, measured: [true; 6], sigma }).collect();
+    let listed = samples
+        .iter()
+        .enumerate()
+        .map(|(row, s)| Sample { row, joints: s.joints.clone(), ..Sample::default() })
+        .collect();
+    Dataset::new(listed, Arc::new(PoseMeasurement::new(*convention, readings)), *noise)
+}
+
+/// Runs `draw` for each number below `draws`, in parallel, each with a random stream of its own; results come in
+/// order.
+pub fn monte_carlo<T: Send>(draws: u64, seed: u64, draw: impl Fn(u64, &mut ChaCha8Rng) -> T + Sync) -> Vec<T> {
+    (0..draws)
+        .into_par_iter()
+        .map(|k| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(k);
+            draw(k, &mut rng)
+        })
+        .collect()
+}
