@@ -161,11 +161,8 @@ fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, conv
     if found.misfit.degrees_of_freedom == 0 {
         warnings.push("every row is used up by parameters, so the fit cannot be checked against the noise".into());
     }
-    let outside: Vec<String> = data
-        .iter()
-        .filter(|s| mechanism.joints().iter().zip(&s.joints).any(|(j, v)| !within(j.stroke, *v)))
-        .map(|s| s.row.to_string())
-        .collect();
+    let outside: Vec<String> =
+        data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();
     if !outside.is_empty() {
         warnings.push(format!("joints outside their stroke in data row {}", shortened(&outside)));
     }
@@ -205,13 +202,8 @@ fn with_warnings(mut result: Calibration, data: &Dataset) -> Calibration {
     result
 }
 
-/// True if the coordinate lies in the stroke, or there is none.
-pub(crate) fn within(stroke: Option<[f64; 2]>, value: f64) -> bool {
-    stroke.is_none_or(|[from, to]| from <= value && value <= to)
-}
-
 /// A list that fits a line.
-pub(crate) fn shortened(items: &[String]) -> String {
+fn shortened(items: &[String]) -> String {
     const SHOWN: usize = 8;
     let more = items.len().saturating_sub(SHOWN);
     let shown = items[..items.len().min(SHOWN)].join(", ");

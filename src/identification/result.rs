@@ -135,7 +135,7 @@ impl Identification {
 
 /// $J^+$ (n × m) through the SVD of $J$ with columns scaled to length one, the rank, and which unknowns have no
 /// part in the null space.
-fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool>) {
+pub(super) fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool>) {
     let n = j.ncols();
     let scale: Vec<f64> = j.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
     let mut scaled = j.clone();

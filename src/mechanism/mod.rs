@@ -25,6 +25,7 @@ mod error;
 mod kinematics;
 mod parameter;
 mod six_hardpoint;
+mod survey;
 mod workspace;
 
 use std::any::Any;
@@ -38,6 +39,7 @@ pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure}
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};
+pub use survey::Survey;
 pub use workspace::Workspace;
 
 use crate::conditions::Conditions;
@@ -91,6 +93,11 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// [`KinematicsError`] with numbers if the joints are out of reach, the pose is singular or a number is
     /// not finite; a result is always a root.
     fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError>;
+
+    /// True if every joint lies in its stroke; joints without a stroke always do.
+    fn within_strokes(&self, joints: &[f64]) -> bool {
+        self.joints().iter().zip(joints).all(|(j, v)| j.stroke.is_none_or(|[from, to]| from <= *v && *v <= to))
+    }
 
     /// Motion of the platform per unit of each parameter ($J_b$, eq. 23) and of each joint.
     ///

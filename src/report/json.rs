@@ -1,10 +1,11 @@
 //! One JSON object for each command. Numbers are SI; what is not known is `null`.
 
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, PredictedError};
-use crate::mechanism::Mechanism;
 use crate::pose::Pose;
+use crate::report::text::Inspection;
 
 /// A number, or `null` if it is not finite.
 fn real(value: f64) -> Value {
@@ -98,7 +99,36 @@ pub fn evaluation(e: &ModelErrors) -> Value {
     })
 }
 
-/// Joint names of a mechanism.
-pub fn joints(mechanism: &dyn Mechanism) -> Value {
-    json!(mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>())
+/// The object of `inspect`.
+pub fn inspection(i: &Inspection<'_>) -> Value {
+    let point = |points: &[(usize, Vector3<f64>)], k: usize| {
+        points.iter().find(|(leg, _)| *leg == k).map(|(_, p)| json!([p.x, p.y, p.z]))
+    };
+    let leg = |k: usize| json!({ "platform": point(&i.platform, k), "base": point(&i.base, k), "length": real(i.home_joints[k]) });
+    let survey = i.survey.as_ref().map(|s| {
+        json!({
+            "poses": s.poses, "outside_stroke": s.outside_stroke, "unreachable": s.unreachable,
+            "joint_range": s.joint_range, "worst_condition": real(s.worst_condition),
+        })
+    });
+    let outlook = i.prospect.as_ref().map(|p| {
+        json!({
+            "poses": p.poses.len(), "prior": p.prior, "sigma": p.sigma, "predicted": p.predicted.as_ref().map(predicted),
+        })
+    });
+    let weak = i.prospect.as_ref().map_or(&[][..], |p| &p.weak);
+    json!({
+        "name": i.mechanism.name(),
+        "parameters": i.mechanism.parameters().len(),
+        "legs": (0..i.home_joints.len()).map(leg).collect::<Vec<_>>(),
+        "home": i.convention.coordinates(&i.mechanism.home()),
+        "joints": i.mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>(),
+        "strokes": i.mechanism.joints().iter().map(|j| j.stroke).collect::<Vec<_>>(),
+        "radius": real(i.radius),
+        "condition": real(i.home_condition),
+        "workspace": survey,
+        "prospect": outlook,
+        "weak_directions": weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
+        "warnings": i.warnings,
+    })
 }

@@ -1,6 +1,10 @@
 //! Tables and sentences for a terminal of 80 columns.
 
-use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use nalgebra::Vector3;
+
+use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, Prospect};
+use crate::mechanism::{Mechanism, Survey, Workspace};
+use crate::pose::PoseConvention;
 use crate::units::{Dimension, show_angle, show_length, three_digits};
 
 /// A table with right-aligned columns; the first column is left-aligned.
@@ -168,6 +172,113 @@ pub fn evaluation(e: &ModelErrors, title: &str) -> String {
     );
     if let Some((row, p)) = worst.and_then(|w| Some((w.row, w.position?))) {
         text += &format!("\nThe largest position error, {}, is in data row {row}.", show_length(p));
+    }
+    text
+}
+
+/// What `inspect` found.
+pub struct Inspection<'a> {
+    /// The mechanism.
+    pub mechanism: &'a dyn Mechanism,
+    /// How its poses are written.
+    pub convention: &'a PoseConvention,
+    /// Its workspace.
+    pub workspace: Option<&'a Workspace>,
+    /// Platform points by leg, platform frame, m.
+    pub platform: Vec<(usize, Vector3<f64>)>,
+    /// Base points by leg, base frame, m.
+    pub base: Vec<(usize, Vector3<f64>)>,
+    /// Joints at home.
+    pub home_joints: Vec<f64>,
+    /// Mean radius of the platform points, m.
+    pub radius: f64,
+    /// Condition of $J_1$ at home.
+    pub home_condition: f64,
+    /// Extremes over the workspace.
+    pub survey: Option<Survey>,
+    /// What 20 poses could tell.
+    pub prospect: Option<Prospect>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// What `inspect` prints.
+pub fn inspection(i: &Inspection<'_>) -> String {
+    let mm = |v: f64| format!("{:.3}", 1e3 * v);
+    let point = |points: &[(usize, Vector3<f64>)], k: usize| {
+        points
+            .iter()
+            .find(|(leg, _)| *leg == k)
+            .map_or_else(|| "-".into(), |(_, p)| format!("{} {} {}", mm(p.x), mm(p.y), mm(p.z)))
+    };
+    let mut header = vec!["joint", "platform point", "base point", "home"];
+    if i.survey.is_some() {
+        header.push("over the workspace");
+    }
+    let row = |(k, joint): (usize, &crate::mechanism::JointSpec)| {
+        let mut cells = vec![joint.name.clone(), point(&i.platform, k), point(&i.base, k), mm(i.home_joints[k])];
+        cells.extend(i.survey.as_ref().map(|s| format!("{} {}", mm(s.joint_range[k][0]), mm(s.joint_range[k][1]))));
+        cells
+    };
+    let rows: Vec<Vec<String>> = i.mechanism.joints().iter().enumerate().map(row).collect();
+    let mut text = format!(
+        "{}: {} parameters\n\nmm\n{}",
+        i.mechanism.name(),
+        i.mechanism.parameters().len(),
+        table(&header, &rows)
+    );
+    let q = i.convention.coordinates(&i.mechanism.home());
+    text += &format!(
+        "\nHome: x {} y {} z {} mm, rx {:.5} ry {:.5} rz {:.5} deg\n",
+        mm(q[0]),
+        mm(q[1]),
+        mm(q[2]),
+        q[3].to_degrees(),
+        q[4].to_degrees(),
+        q[5].to_degrees()
+    );
+    text += &format!(
+        "Condition of the mechanism (angles times the radius, {}): {:.2} at home",
+        show_length(i.radius),
+        i.home_condition
+    );
+    text += &i
+        .survey
+        .as_ref()
+        .map_or_else(|| "\n".into(), |s| format!(", at most {:.2} over the workspace\n", s.worst_condition));
+    if let Some(p) = &i.prospect {
+        text += &prospect(i.mechanism, p);
+    }
+    for w in &i.warnings {
+        text += &format!("\nNote: {w}.");
+    }
+    text.trim_end().to_owned()
+}
+
+fn prospect(mechanism: &dyn Mechanism, p: &Prospect) -> String {
+    const SHOWN: usize = 4;
+    let sigmas: Vec<f64> = p.sigma.iter().flatten().copied().collect();
+    let rms = (sigmas.iter().map(|s| s * s).sum::<f64>() / sigmas.len().max(1) as f64).sqrt();
+    let total = mechanism.parameters().len();
+    let mut text = format!("\nWhat {} poses on corners of the workspace could tell:\n", p.poses.len());
+    text += &format!("  {} of {total} parameter directions", total - p.weak.len());
+    text += &format!(
+        ", parameters to {} (RMS sigma{})\n",
+        show_length(rms),
+        if p.prior { ", tolerances as prior" } else { "" }
+    );
+    if let Some(e) = &p.predicted {
+        text += &format!(
+            "  poses in the workspace to {} and {}\n",
+            show_length(e.position_rms),
+            show_angle(e.rotation_rms)
+        );
+    }
+    for w in p.weak.iter().take(SHOWN) {
+        text += &format!("  not decided ({}): {}\n", three_digits(w.sigma), w.text);
+    }
+    if p.weak.len() > SHOWN {
+        text += &format!("  and {} more\n", p.weak.len() - SHOWN);
     }
     text
 }

@@ -1,15 +1,90 @@
 //! `paracal inspect`.
-use crate::common::Ui;
-use anyhow::Result;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+use anyhow::Result;
+use paracal::conditions::Conditions;
+use paracal::files::Machine;
+use paracal::identification::{Prospect, prospect};
+use paracal::measurement::Noise;
+use paracal::mechanism::{Body, Survey, characteristic_length, condition};
+use paracal::report::{json, text};
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+
+use crate::common::Ui;
+
 /// Arguments of `inspect`.
 #[derive(clap::Args)]
+#[command(after_help = "Example: paracal inspect mechanisms/rubin-camera-hexapod.toml")]
 pub(crate) struct Args {
     /// Mechanism file.
     mechanism: PathBuf,
 }
+
+const POSES: usize = 20;
+const SURVEYED: usize = 1000;
+
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let _ = ui.machine(&args.mechanism)?;
+    // The warnings of the file are part of the result here.
+    let machine = Machine::read(&args.mechanism)?;
+    let mechanism = machine.mechanism.as_ref();
+    let c = mechanism.values();
+    let at = Conditions::unknown();
+    let joints = mechanism.inverse(c, &mechanism.home(), &at)?;
+    let mut warnings = machine.warnings.clone();
+    let survey = machine.workspace.as_ref().map(|w| {
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let poses: Vec<_> = (0..SURVEYED).map(|_| w.random(&mut rng)).collect();
+        Survey::of(mechanism, w, &poses)
+    });
+    if let Some(s) = &survey {
+        if s.unreachable > 0 {
+            warnings.push(format!("{} of {} poses of the workspace cannot be reached", s.unreachable, s.poses));
+        }
+        if s.outside_stroke > 0 {
+            warnings.push(format!(
+                "{} of {} poses of the workspace need a joint outside its stroke",
+                s.outside_stroke, s.poses
+            ));
+        }
+    }
+    let outlook = match (&machine.workspace, &machine.noise) {
+        (Some(w), Some(noise)) => look_ahead(&machine, w, noise, &mut warnings),
+        _ => {
+            warnings.push("state [workspace] and [noise] to see what 20 poses could tell".into());
+            None
+        }
+    };
+    let seen = text::Inspection {
+        mechanism,
+        convention: &machine.convention,
+        workspace: machine.workspace.as_ref(),
+        platform: Body::Platform.points(mechanism, c),
+        base: Body::Base.points(mechanism, c),
+        home_joints: joints.clone(),
+        radius: characteristic_length(mechanism),
+        home_condition: condition(mechanism, c, &joints, &mechanism.home(), &at),
+        survey,
+        prospect: outlook,
+        warnings,
+    };
+    ui.result(&text::inspection(&seen), &json::inspection(&seen));
     Ok(ExitCode::SUCCESS)
+}
+
+fn look_ahead(
+    machine: &Machine,
+    workspace: &paracal::mechanism::Workspace,
+    noise: &Noise,
+    warnings: &mut Vec<String>,
+) -> Option<Prospect> {
+    match prospect(machine.mechanism.as_ref(), workspace, noise, POSES, 0) {
+        Ok(found) => Some(found),
+        Err(cause) => {
+            warnings.push(format!("what 20 poses could tell is not known: {cause}"));
+            None
+        }
+    }
 }

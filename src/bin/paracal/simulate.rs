@@ -114,10 +114,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 }
 
 fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {
-    let outside = |s: &&SimulatedSample| {
-        mechanism.joints().iter().zip(&s.joints).any(|(j, v)| j.stroke.is_some_and(|[a, b]| *v < a || *v > b))
-    };
-    let count = samples.iter().filter(outside).count();
+    let count = samples.iter().filter(|s| !mechanism.within_strokes(&s.joints)).count();
     if count > 0 {
         ui.warn(&format!("{count} of {} poses need joints outside their stroke", samples.len()));
     }
