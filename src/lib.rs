@@ -1,5 +1,7 @@
 //! paracal
 pub mod conditions;
+#[cfg(feature = "conformance")]
+pub mod conformance;
 pub mod files;
 pub mod identification;
 pub mod measurement;

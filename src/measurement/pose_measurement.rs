@@ -3,7 +3,11 @@
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Rotation3, Vector3};
 
 use super::{Frames, MeasurementModel, RowKind, Rows};
-use crate::pose::{Pose, PoseConvention};
+use crate::pose::{Pose, PoseConvention, rotation_vector};
+
+/// Beyond this |β|, rad, differences of the angles no longer tell the size of a turn: one angle counts up to 1/cos β
+/// times as much.
+const STEEP: f64 = std::f64::consts::FRAC_PI_6;
 
 /// One measured pose in the coordinates of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +24,8 @@ pub struct PoseReading {
 ///
 /// Position rows are compared in the tracker's frame. If all three angles were measured, the attitude is
 /// compared in the base frame, as angles of the file's convention about the platform's own attitude: a
-/// tracker that lies on its side meets no singularity, and equal σ of the three angles stay what they are.
+/// tracker that lies on its side meets no singularity, and equal σ of the three angles stay what they are. Should
+/// the platform itself be tilted by more than 30°, attitudes are compared as rotation vectors.
 /// If an angle is missing, the others are compared as they stand in the file.
 #[derive(Clone, Debug)]
 pub struct PoseMeasurement {
@@ -51,19 +56,31 @@ impl PoseMeasurement {
     }
 
     fn rotation(&self, reading: &PoseReading) -> Option<Rotation3<f64>> {
-        let [.., a, b, c] = reading.values;
-        reading.measured[3..].iter().all(|m| *m).then(|| self.convention.rotation(&Vector3::new(a, b, c)))
+        reading.measured[3..].iter().all(|m| *m).then(|| self.convention.rotation(&reading_angles(reading)))
     }
-}
 
-/// The angle in (−π, π] that differs from `angle` by whole turns.
-fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
-}
+    /// The measured attitude as it is in the base frame.
+    fn in_base(&self, full: &Rotation3<f64>, frames: &Frames) -> Rotation3<f64> {
+        frames.base.rotation.inverse() * full * frames.target.rotation.inverse()
+    }
 
-fn inverse_or_nan(m: &Matrix3<f64>) -> Matrix3<f64> {
-    m.try_inverse().unwrap_or_else(|| Matrix3::repeat(f64::NAN))
+    /// Differences of the three angles in the base frame and their rates, or of the attitudes as a rotation vector
+    /// where the angles are near their singularity.
+    fn attitude_rows(
+        &self,
+        reading: &PoseReading,
+        full: &Rotation3<f64>,
+        pose: &Pose,
+        frames: &Frames,
+    ) -> (Vector3<f64>, Matrix3<f64>) {
+        let seen = self.in_base(full, frames);
+        let measured = if frames.is_identity() { reading_angles(reading) } else { self.convention.angles(&seen) };
+        if measured.y.abs() > STEEP {
+            return (rotation_vector(&(pose.rotation * seen.inverse())), Matrix3::identity());
+        }
+        let angles = self.convention.angles(&pose.rotation);
+        (angles - measured, inverse_or_nan(&self.convention.angle_axes(&angles)))
+    }
 }
 
 impl MeasurementModel for PoseMeasurement {
@@ -106,26 +123,17 @@ impl MeasurementModel for PoseMeasurement {
         if !reading.measured[3..].iter().any(|m| *m) {
             return;
         }
-        let (angles, measured, rates) = match self.rotation(reading) {
-            Some(full) => {
-                let angles = self.convention.angles(&pose.rotation);
-                let seen = if frames.is_identity() {
-                    Vector3::new(reading.values[3], reading.values[4], reading.values[5])
-                } else {
-                    let seen = frames.base.rotation.inverse() * full * frames.target.rotation.inverse();
-                    self.convention.angles(&seen)
-                };
-                (angles, seen, inverse_or_nan(&self.convention.angle_axes(&angles)))
-            }
+        let (difference, rates) = match self.rotation(reading) {
+            Some(full) => self.attitude_rows(reading, &full, pose, frames),
             None => {
                 let seen = frames.base.rotation * pose.rotation * frames.target.rotation;
                 let angles = self.convention.angles(&seen);
-                let measured = Vector3::new(reading.values[3], reading.values[4], reading.values[5]);
-                (angles, measured, inverse_or_nan(&self.convention.angle_axes(&angles)) * turn)
+                let rates = inverse_or_nan(&self.convention.angle_axes(&angles)) * turn;
+                (angles - reading_angles(reading), rates)
             }
         };
         for k in (0..3).filter(|&k| reading.measured[k + 3]) {
-            out.residual[row] = wrapped(angles[k] - measured[k]);
+            out.residual[row] = wrapped(difference[k]);
             for c in 0..3 {
                 out.motion[(row, c)] = 0.0;
                 out.motion[(row, c + 3)] = rates[(k, c)];
@@ -143,10 +151,16 @@ impl MeasurementModel for PoseMeasurement {
         }
         let [.., a, b, c] = reading.sigma;
         let unequal = a != b || b != c;
-        if let (Some(full), true, false) = (self.rotation(reading), unequal, frames.is_identity()) {
-            // Unequal σ of the three angles are carried from the tracker's angles to those of the base frame.
-            let seen = frames.base.rotation.inverse() * full * frames.target.rotation.inverse();
-            let to_base = inverse_or_nan(&self.convention.angle_axes(&self.convention.angles(&seen)))
+        if let (Some(full), true) = (self.rotation(reading), unequal) {
+            // Unequal σ of the three angles are carried to the rows that `attitude_rows` makes of them.
+            let seen = self.in_base(&full, frames);
+            let angles = self.convention.angles(&seen);
+            let rates = if angles.y.abs() > STEEP {
+                Matrix3::identity()
+            } else {
+                inverse_or_nan(&self.convention.angle_axes(&angles))
+            };
+            let to_base = rates
                 * frames.base.rotation.inverse().matrix()
                 * self.convention.angle_axes(&self.convention.angles(&full));
             let carried = to_base * Matrix3::from_diagonal(&Vector3::new(a * a, b * b, c * c)) * to_base.transpose();

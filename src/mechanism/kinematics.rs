@@ -116,11 +116,15 @@ pub fn forward_by_closure<M: Mechanism + ?Sized>(
         return Err(KinematicsError::JointCount { expected, found: joints.len() });
     }
     let mut work = Linearization::sized_for(mechanism);
+    mechanism.linearize(c, joints, seed, at, &mut work);
+    // The starting pose tells on which side of the singularities the mechanism works. With more than six rows
+    // there is no such sign.
+    let side = if work.motion.nrows() == 6 { work.motion.determinant().signum() } else { 0.0 };
     follow_joints(
         joints,
         seed,
         || mechanism.inverse(c, seed, at),
-        0.0,
+        side,
         |joints, seed| {
             let problem = ClosureProblem { mechanism, c, joints, at, work: &mut work };
             newton(problem, *seed, NewtonOptions::default())

@@ -38,13 +38,6 @@ impl Ui {
         }
     }
 
-    /// Prints a remark on standard error.
-    pub(crate) fn note(&self, note: &str) {
-        if !self.quiet {
-            eprintln!("{note}");
-        }
-    }
-
     /// A spinner on standard error for work that may take a while; invisible where nobody looks.
     pub(crate) fn progress(&self, message: String) -> ProgressBar {
         if self.quiet || !std::io::stderr().is_terminal() {

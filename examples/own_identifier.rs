@@ -1,0 +1,76 @@
+//! An identifier from outside the crate: Gauss-Newton steps through a truncated SVD.
+//!
+//! Directions of the parameters that the rows hardly see are left where they are instead of being damped or
+//! held by a prior. The library gives the whitened residual and Jacobian; the rest is below.
+//!
+//! Run with `cargo run --release --example own_identifier`.
+
+use std::error::Error;
+
+use paracal::files::{Machine, read_measurement};
+use paracal::identification::{
+    CalibrationOptions, CalibrationProblem, Identification, Identifier, IdentifyError, Task, calibrate,
+};
+use paracal::nalgebra::{DMatrix, DVector};
+use paracal::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution};
+
+struct TruncatedSvd {
+    /// Singular values below this part of the largest are left out.
+    part: f64,
+}
+
+impl Identifier for TruncatedSvd {
+    fn name(&self) -> &str {
+        "truncated-svd"
+    }
+
+    fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
+        let mut problem = CalibrationProblem::new(task, None, 1.0)?;
+        let (m, n) = problem.shape();
+        if m < n {
+            let samples = task.data.len();
+            return Err(IdentifyError::TooFewRows { rows: m, samples, unknowns: n, needed: n.div_ceil(m / samples) });
+        }
+        let (mut residual, mut jacobian) = (DVector::zeros(m), DMatrix::zeros(m, n));
+        let mut x = problem.start();
+        let (mut history, mut initial_cost) = (Vec::new(), f64::NAN);
+        for iteration in 0..20 {
+            problem.linearize(&x, &mut residual, &mut jacobian).map_err(|e| IdentifyError::Other(e.to_string()))?;
+            let cost = 0.5 * residual.norm_squared();
+            if iteration == 0 {
+                initial_cost = cost;
+            }
+            let svd = jacobian.clone().svd(true, true);
+            let limit = self.part * svd.singular_values.max();
+            let step = svd.solve(&residual, limit).map_err(|e| IdentifyError::Other(e.into()))?;
+            x -= &step;
+            history.push(IterationRecord { cost, step: step.amax(), damping: 0.0 });
+            if step.amax() < 1e-13 {
+                break;
+            }
+        }
+        let convergence = Convergence::SmallStep;
+        let solution = LeastSquaresSolution { x, residual, jacobian, initial_cost, history, convergence };
+        Identification::from_solution(task, &problem, &solution, 1.0, vec![1.0; task.data.len()], Vec::new())
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let machine = Machine::read(format!("{root}/mechanisms/table5.toml"))?;
+    let measured = read_measurement(format!("{root}/examples/data/hardpoint-noisy.csv"), &machine)?;
+    let own = TruncatedSvd { part: 1e-9 };
+    let options = CalibrationOptions::default();
+    let result = calibrate(machine.mechanism.as_ref(), &measured.data, machine.workspace.as_ref(), &own, &options)?;
+    println!("{}", paracal::report::text::calibration(&result, machine.mechanism.name(), "full poses", own.name()));
+
+    // The public suite holds it to the same laws as the identifiers of the crate.
+    #[cfg(feature = "conformance")]
+    {
+        let workspace = machine.workspace.as_ref().ok_or("the file states a workspace")?;
+        let noise = machine.noise.as_ref().ok_or("the file states its noise")?;
+        paracal::conformance::identifier(&own, machine.mechanism.as_ref(), workspace, noise, 30)?;
+        println!("conforms");
+    }
+    Ok(())
+}
