@@ -83,6 +83,20 @@ impl PoseMeasurement {
     }
 }
 
+fn reading_angles(reading: &PoseReading) -> Vector3<f64> {
+    Vector3::from_column_slice(&reading.values[3..])
+}
+
+/// The angle in (−π, π] that differs from `angle` by whole turns.
+fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
+}
+
+fn inverse_or_nan(m: &Matrix3<f64>) -> Matrix3<f64> {
+    m.try_inverse().unwrap_or_else(|| Matrix3::repeat(f64::NAN))
+}
+
 impl MeasurementModel for PoseMeasurement {
     fn describe(&self) -> String {
         const NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
