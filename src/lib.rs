@@ -1,4 +1,69 @@
-//! paracal
+//! Calibration of parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms, and
+//! mechanisms that a consumer of this library writes.
+//!
+//! # The problem
+//!
+//! A platform stands on legs. A program commands leg lengths; the pose that the platform takes depends on where
+//! the legs really begin and end, which differs from the drawing by some tenths of a millimetre. From measured
+//! poses for known commands one finds these **kinematic parameters**, how far to trust them, and the lengths to
+//! command from now on. The method is that of Yu, Wu and Wang, *Kinematic Calibration Method for Six-Hardpoint
+//! Positioning Mechanisms Using Optimal Measurement Pose*, Applied Sciences 13 (2023) 4824, made generic, with
+//! rows weighted by the noise and with what the data do not tell said in words.
+//!
+//! # Notation
+//!
+//! | paper | meaning | in code |
+//! |---|---|---|
+//! | $q = (x, y, z, α, β, γ)$ | pose of the platform, eq. (2) | [`pose::Pose`], written by a [`pose::PoseConvention`] |
+//! | $t$, $R$ | position and rotation | [`pose::Pose::position`], [`pose::Pose::rotation`] |
+//! | $a_i$, $b_i$ | where leg $i$ meets platform and base | [`mechanism::Leg::platform`], [`mechanism::Leg::base`] |
+//! | $h_i$ | length of leg $i$; its error $dh_i$ | [`mechanism::Leg::length`], [`mechanism::Leg::length_offset`] |
+//! | $H$ | joint coordinates (leg lengths) | `joints: &[f64]` |
+//! | $C$ | all parameters, eq. (15) | `c: &[f64]`, described by [`mechanism::ParameterSpec`] |
+//! | $f(q, H, C) = 0$ | closure, eqs. (12), (16) | [`mechanism::Mechanism::linearize`] |
+//! | $J_1$, $J_2$ | its derivatives, eqs. (19), (21) | [`mechanism::Linearization`] |
+//! | $J_b = -J_1^{-1} J_2$ | motion per parameter, eq. (23) with the sign of eq. (17) | [`mechanism::MotionBlock`] |
+//! | $J_B$, $dq_B$ | stacked over the poses, eqs. (27)–(29) | [`identification::CalibrationProblem`] |
+//! | $n$, $L$ | number of poses, of parameters | |
+//!
+//! Inside, numbers are SI: metres and radians. Derivatives are along a small motion $(δt, δω)$ of the platform
+//! rather than along the angles, for the reason given in [`pose`].
+//!
+//! # The modules follow the work
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`pose`], [`units`], [`conditions`] | poses and how they are written; units at the edges; the state of a sample |
+//! | [`solve`] | argmin solvers with typed outcomes; they know no mechanism |
+//! | [`mechanism`] | the trait [`mechanism::Mechanism`], its kinematics, [`mechanism::SixHardpoint`] |
+//! | [`measurement`] | samples, readings, noise; the trait [`measurement::MeasurementModel`] |
+//! | [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
+//! | [`simulation`] | true mechanisms, noise, Monte Carlo |
+//! | [`files`] | mechanism files (TOML), measurements and pose lists (CSV) |
+//! | [`report`] | results as text and JSON |
+//! | `conformance` | test suites for implementations of the traits (feature `conformance`) |
+//!
+//! # An example
+//!
+//! ```no_run
+//! use paracal::files::{Machine, read_measurement};
+//! use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate};
+//!
+//! let machine = Machine::read("mechanisms/table5.toml")?;
+//! let measured = read_measurement("examples/data/hardpoint-noisy.csv", &machine)?;
+//! let result = calibrate(
+//!     machine.mechanism.as_ref(),
+//!     &measured.data,
+//!     machine.workspace.as_ref(),
+//!     &LevenbergMarquardt::default(),
+//!     &CalibrationOptions::default(),
+//! )?;
+//! assert!(result.verdict.trusted);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Feature `cli` (on by default) builds the program `paracal`; switch it off to pay for no command-line crate.
+
 pub mod conditions;
 #[cfg(feature = "conformance")]
 pub mod conformance;
@@ -11,4 +76,11 @@ pub mod report;
 pub mod simulation;
 pub mod solve;
 pub mod units;
+
+/// The linear algebra in the public signatures, so that versions cannot mismatch.
 pub use nalgebra;
+
+/// The examples of the README are compiled with the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
