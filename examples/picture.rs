@@ -68,7 +68,10 @@ fn draw(before: &ModelErrors, after: &ModelErrors) -> Result<String, std::fmt::E
         // Below its points, where the chart is empty.
         let lowest = positions.iter().copied().fold(f64::INFINITY, f64::min);
         let (place, line) = (LEFT + 10.0, y(lowest) + 18.0);
-        writeln!(svg, r#"<text x="{place}" y="{line:.1}" fill="{colour}">{text}</text>"#)?;
+        writeln!(
+            svg,
+            r#"<text x="{place}" y="{line:.1}" fill="{colour}" stroke="white" stroke-width="5" paint-order="stroke">{text}</text>"#
+        )?;
     }
     let (middle, foot) = (0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 14.0);
     writeln!(svg, r##"<text x="{middle}" y="{foot}" text-anchor="middle" fill="#333">target, 1 to {n}</text>"##)?;

@@ -1,4 +1,5 @@
 //! Data in the tracker's own frame, metres and right angles away.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Kinematics against numbers that others published.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 

@@ -246,21 +246,21 @@ fn quaternion_angles(
 fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<TargetMeasurement, FileError> {
     let mut targets: Vec<TargetPoint> = Vec::new();
     for column in &table.columns {
-        if let Meaning::Target(name, _) = &column.meaning {
-            if targets.iter().all(|t| t.name != *name) {
-                let known = machine.targets.iter().find(|t| t.name == *name);
-                targets.push(TargetPoint { name: name.clone(), platform: known.and_then(|t| t.platform) });
-            }
+        if let Meaning::Target(name, _) = &column.meaning
+            && targets.iter().all(|t| t.name != *name)
+        {
+            let known = machine.targets.iter().find(|t| t.name == *name);
+            targets.push(TargetPoint { name: name.clone(), platform: known.and_then(|t| t.platform) });
         }
     }
     let mut readings = Vec::with_capacity(table.rows.len());
     for row in 0..table.rows.len() {
         let mut cells = vec![[None; 3]; targets.len()];
         for (k, column) in table.columns.iter().enumerate() {
-            if let Meaning::Target(name, axis) = &column.meaning {
-                if let Some(t) = targets.iter().position(|t| t.name == *name) {
-                    cells[t][*axis] = table.number(row, k)?;
-                }
+            if let Meaning::Target(name, axis) = &column.meaning
+                && let Some(t) = targets.iter().position(|t| t.name == *name)
+            {
+                cells[t][*axis] = table.number(row, k)?;
             }
         }
         readings.push(cells);

@@ -249,6 +249,9 @@ fn predict(
     frames: &Frames,
     seed: u64,
 ) -> Result<Option<PredictedError>, IdentifyError> {
+    if found.rank < found.parameters.len() {
+        return Ok(None);
+    }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
     let (poses, convention) = match workspace {
         Some(w) => {

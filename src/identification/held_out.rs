@@ -17,7 +17,7 @@ pub enum Holdout {
     /// A random part of the samples, 0 to 1.
     Fraction(f64),
     /// Other data, in the frames of the calibrated model.
-    Data(Dataset),
+    Data(Box<Dataset>),
     /// None.
     None,
 }
@@ -66,7 +66,12 @@ pub(super) fn held_out(
             let all = ModelErrors { samples: parts.into_iter().flat_map(|p| p.samples).collect() };
             Ok(Some(HeldOut { rms: all.rms(), samples: all.samples.len() }))
         }
-        Err(IdentifyError::TooFewRows { .. } | IdentifyError::Solve(_) | IdentifyError::Empty) => Ok(None),
+        Err(
+            IdentifyError::TooFewRows { .. }
+            | IdentifyError::NotConverged { .. }
+            | IdentifyError::Solve(_)
+            | IdentifyError::Empty,
+        ) => Ok(None),
         Err(other) => Err(other),
     }
 }

@@ -141,23 +141,24 @@ pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<P
         return Err(IdentifyError::Empty);
     }
     let unweighted = task.weights == Weights::MillimetresAndRadians;
-    let tolerances = || Prior::from_tolerance(task.mechanism, own);
-    let prior = match task.prior {
+    let tolerances = || Prior::from_tolerance(task.mechanism);
+    match task.prior {
         PriorPolicy::Tolerance if unweighted => return Err(IdentifyError::PriorWithoutWeights),
-        PriorPolicy::Tolerance => Some(tolerances()?),
-        PriorPolicy::Auto if !unweighted && tolerances().is_ok() => {
-            let spectrum = DataSpectrum::at_start(task, noise_scale)?;
-            if spectrum.smallest() < DECIDED { Some(tolerances()?) } else { None }
-        }
-        PriorPolicy::Auto | PriorPolicy::None => None,
-    };
-    if prior.is_none() {
-        let (rows, samples) = (task.data.row_count(), task.data.len());
-        let unknowns = task.mechanism.parameters().len() + own;
-        if rows < unknowns {
-            let per_sample = rows.div_ceil(samples).max(1);
-            return Err(IdentifyError::TooFewRows { rows, samples, unknowns, needed: unknowns.div_ceil(per_sample) });
+        PriorPolicy::Tolerance => return tolerances().map(Some),
+        PriorPolicy::Auto | PriorPolicy::None => {}
+    }
+    let spectrum = DataSpectrum::at_start(task, noise_scale)?;
+    if task.prior == PriorPolicy::Auto && !unweighted && spectrum.smallest() < DECIDED {
+        if let Ok(prior) = tolerances() {
+            return Ok(Some(prior));
         }
     }
-    Ok(prior)
+    let (rows, samples) = (task.data.row_count(), task.data.len());
+    let unknowns = task.mechanism.parameters().len() + own;
+    if rows < unknowns {
+        let per_sample = rows.div_ceil(samples).max(1);
+        return Err(IdentifyError::TooFewRows { rows, samples, unknowns, needed: unknowns.div_ceil(per_sample) });
+    }
+    let unseen = spectrum.unseen();
+    Ok(unseen.map(|directions| Prior::holding(task.mechanism, spectrum.scale, directions)))
 }

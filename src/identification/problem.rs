@@ -212,7 +212,7 @@ pub(super) fn sample_error(data: &Dataset, k: usize, cause: KinematicsError) -> 
 
 impl LeastSquaresProblem for CalibrationProblem<'_> {
     fn shape(&self) -> (usize, usize) {
-        let prior = self.prior.as_ref().map_or(0, |p| p.rows().count());
+        let prior = self.prior.as_ref().map_or(0, Prior::rows);
         (self.data_rows() + prior, self.start.len())
     }
 
@@ -247,12 +247,7 @@ impl LeastSquaresProblem for CalibrationProblem<'_> {
             first += n;
         }
         if let Some(prior) = &self.prior {
-            jacobian.rows_mut(first, residual.len() - first).fill(0.0);
-            for (k, centre, sigma) in prior.rows() {
-                residual[first] = (x[k] - centre) / sigma;
-                jacobian[(first, k)] = 1.0 / sigma;
-                first += 1;
-            }
+            prior.write(x, first, residual, jacobian);
         }
         Ok(())
     }

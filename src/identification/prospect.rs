@@ -1,6 +1,6 @@
 //! What a campaign could tell, before anything is measured.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
@@ -63,15 +63,14 @@ pub fn prospect(
     }
     let Some((_, poses, jacobian)) = best else { return Err(IdentifyError::Empty) };
     let spectrum = DataSpectrum::of(mechanism, &jacobian);
-    let tolerances = Prior::from_tolerance(mechanism, 0).ok();
+    let tolerances = Prior::from_tolerance(mechanism).ok();
     let prior = tolerances.filter(|_| spectrum.smallest() < super::DECIDED);
     let mut rows = jacobian;
     if let Some(prior) = &prior {
-        for (k, _, sigma) in prior.rows() {
-            let last = rows.nrows();
-            rows = rows.insert_row(last, 0.0);
-            rows[(last, k)] = 1.0 / sigma;
-        }
+        let (data, n) = rows.shape();
+        rows = rows.resize_vertically(data + prior.rows(), 0.0);
+        let mut residual = DVector::zeros(data + prior.rows());
+        prior.write(&DVector::zeros(n), data, &mut residual, &mut rows);
     }
     let (inverse, _, determined) = pseudo_inverse(&rows);
     let covariance = &inverse * inverse.transpose();

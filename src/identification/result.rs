@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::misfit::Misfit;
 use super::problem::{CalibrationProblem, Weights};
-use super::{IdentifyError, Task};
+use super::{IdentifyError, Prior, Task};
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
 use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution};
@@ -70,7 +70,14 @@ impl Identification {
         outliers: Vec<usize>,
     ) -> Result<Self, IdentifyError> {
         let n = solution.x.len();
-        let (pseudo_inverse, rank, determined) = pseudo_inverse(&solution.jacobian);
+        let (pseudo_inverse, mut rank, mut determined) = pseudo_inverse(&solution.jacobian);
+        if let Some(Prior::Held { directions: held, .. }) = problem.prior() {
+            // What was only held in place is not determined.
+            rank = n.saturating_sub(held.ncols());
+            for (k, d) in determined.iter_mut().enumerate().take(held.nrows()) {
+                *d &= held.row(k).norm() < 1e-6;
+            }
+        }
         let covariance = match task.weights {
             // With J = W H the rows have unit covariance, and so the covariance is J⁺ J⁺ᵀ.
             Weights::Noise => &pseudo_inverse * pseudo_inverse.transpose(),
@@ -97,7 +104,7 @@ impl Identification {
             history: solution.history.clone(),
             convergence: solution.convergence,
             rank,
-            prior: problem.prior().is_some(),
+            prior: problem.prior().is_some_and(Prior::informs),
             noise_scale,
             misfit: Misfit::at(task, &solution.x, &outliers)?,
             weights,

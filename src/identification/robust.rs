@@ -126,7 +126,7 @@ impl Identifier for Robust {
                 problem.weigh_samples(&vec![1.0; task.data.len()]);
                 let (residual, _) = linearized(&mut problem, &solution.x)?;
                 let distances: Vec<f64> = rows.iter().map(|(first, n)| residual.rows(*first, *n).norm()).collect();
-                let unknowns = if problem.prior().is_some() { 0 } else { solution.x.len() };
+                let unknowns = if problem.prior().is_some_and(super::Prior::informs) { 0 } else { solution.x.len() };
                 let shift = median_scale(&distances, &rows, unknowns);
                 let next: Vec<f64> = distances
                     .iter()

@@ -25,6 +25,9 @@ pub struct DataSpectrum {
     pub scaled_by_tolerance: bool,
 }
 
+/// Rows that see a direction by less than this part of the strongest do not see it.
+const UNSEEN: f64 = 1e-9;
+
 /// A direction of the parameters that the data do not decide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeakDirection {
@@ -71,6 +74,17 @@ impl DataSpectrum {
         }
     }
 
+    /// Directions (columns, in parameters over their scale) of which the rows say nothing; `None` if there are
+    /// none.
+    pub fn unseen(&self) -> Option<DMatrix<f64>> {
+        let largest = self.values.iter().copied().fold(0.0, f64::max);
+        let columns: Vec<DVector<f64>> = (0..self.values.len())
+            .filter(|k| self.values[*k] < UNSEEN * largest)
+            .map(|k| self.directions.column(k).into_owned())
+            .collect();
+        (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
+    }
+
     /// The smallest singular value.
     pub fn smallest(&self) -> f64 {
         self.values.iter().copied().fold(f64::INFINITY, f64::min)
@@ -79,10 +93,10 @@ impl DataSpectrum {
 
 /// The directions that the data do not decide, weakest first, in words.
 ///
-/// Without tolerances only directions of which the data say nothing (1e-10 of the strongest) are listed.
+/// Without tolerances only directions of which the data say nothing are listed.
 pub fn weak_directions(mechanism: &dyn Mechanism, spectrum: &DataSpectrum) -> Vec<WeakDirection> {
     let largest = spectrum.values.iter().copied().fold(0.0, f64::max);
-    let limit = if spectrum.scaled_by_tolerance { DECIDED } else { 1e-10 * largest };
+    let limit = if spectrum.scaled_by_tolerance { DECIDED } else { UNSEEN * largest };
     let patterns = patterns(mechanism, &spectrum.scale);
     let mut weak: Vec<usize> = (0..spectrum.values.len()).filter(|k| spectrum.values[*k] < limit).collect();
     weak.sort_by(|a, b| spectrum.values[*a].total_cmp(&spectrum.values[*b]));
@@ -98,29 +112,47 @@ struct Pattern {
     name: String,
     /// Orthonormal columns, in parameters divided by their tolerance.
     basis: DMatrix<f64>,
-    /// True for rigid motions, whose share is named only if it is nearly the whole.
-    rigid: bool,
+    family: Family,
+}
+
+/// Which sentence a pattern belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    /// A motion of all points of a body; named only if it is nearly the whole direction.
+    Rigid,
+    /// The ends of a leg move along it, and its length follows.
+    Slide,
+    /// Both ends of a leg shift by the same amount.
+    Together,
 }
 
 /// A direction belongs to a pattern if this part of its length squared does.
 const MOSTLY: f64 = 0.5;
-const WORTH_NAMING: f64 = 0.1;
+/// A rigid motion is named alone from this part on.
+const NEARLY_WHOLE: f64 = 0.8;
+/// Legs with less than this part of the pattern are not listed.
+const WORTH_NAMING: f64 = 0.15;
 
 fn describe(mechanism: &dyn Mechanism, patterns: &[Pattern], direction: &DVector<f64>) -> String {
     let share = |p: &Pattern| (p.basis.transpose() * direction).norm_squared();
     let mut shares: Vec<(f64, &Pattern)> = patterns.iter().map(|p| (share(p), p)).collect();
     shares.sort_by(|a, b| b.0.total_cmp(&a.0));
-    if let Some((part, pattern)) = shares.iter().find(|(part, p)| p.rigid && *part > 0.8) {
+    if let Some((part, pattern)) = shares.iter().find(|(part, p)| p.family == Family::Rigid && *part > NEARLY_WHOLE) {
         return format!("{} ({:.0} %)", pattern.name, 100.0 * part);
     }
-    let legs: Vec<String> = shares
-        .iter()
-        .filter(|(part, p)| !p.rigid && *part > WORTH_NAMING)
-        .map(|(part, p)| format!("{} ({:.0} %)", p.name, 100.0 * part))
-        .collect();
-    let together: f64 = shares.iter().filter(|(_, p)| !p.rigid).map(|(part, _)| part).sum();
-    if together > MOSTLY && !legs.is_empty() {
-        return format!("points slide along their leg, its length following: {}", legs.join(", "));
+    for (family, sentence) in [
+        (Family::Slide, "points slide along their leg, its length following"),
+        (Family::Together, "both points of a leg shift alike"),
+    ] {
+        let members = || shares.iter().filter(|(_, p)| p.family == family);
+        let together: f64 = members().map(|(part, _)| part).sum();
+        let legs: Vec<String> = members()
+            .filter(|(part, _)| *part > WORTH_NAMING * together)
+            .map(|(part, p)| format!("{} ({:.0} %)", p.name, 100.0 * part))
+            .collect();
+        if together > MOSTLY {
+            return format!("{sentence}: {}", legs.join(", "));
+        }
     }
     let mut largest: Vec<(f64, &str)> =
         direction.iter().zip(mechanism.parameters()).map(|(v, s)| (v * v, s.name.as_str())).collect();
@@ -154,11 +186,11 @@ fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
         for (axis, name) in ["x", "y", "z"].iter().enumerate() {
             let turn = format!("all {label} points turn together about {name}, {effect}");
             let shift = format!("all {label} points shift together along {name}");
-            found.extend(pattern(turn, true, &[rigid(true, axis)]));
-            found.extend(pattern(shift, true, &[rigid(false, axis)]));
+            found.extend(pattern(turn, Family::Rigid, &[rigid(true, axis)]));
+            found.extend(pattern(shift, Family::Rigid, &[rigid(false, axis)]));
         }
         let turns: Vec<_> = (0..3).map(|axis| rigid(true, axis)).collect();
-        found.extend(pattern(format!("all {label} points turn together, {effect}"), true, &turns));
+        found.extend(pattern(format!("all {label} points turn together, {effect}"), Family::Rigid, &turns));
     }
     let platform = Body::Platform.points(mechanism, c);
     let base = Body::Base.points(mechanism, c);
@@ -166,28 +198,35 @@ fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
         let Some((_, b)) = base.iter().find(|(l, _)| l == leg) else { continue };
         let along = (home.place(a) - b).normalize();
         let along_platform = home.rotation.inverse() * along;
-        let mut columns = vec![DVector::zeros(specs.len()); 3];
+        let mut slide = vec![DVector::zeros(specs.len()); 3];
+        let mut together = vec![DVector::zeros(specs.len()); 3];
         for (k, spec) in specs.iter().enumerate() {
             match spec.role {
                 ParameterRole::PlatformPoint { leg: l, axis } if l == *leg => {
-                    columns[0][k] = along_platform[axis.index()] / scale[k];
+                    slide[0][k] = along_platform[axis.index()] / scale[k];
+                    for (base_axis, column) in together.iter_mut().enumerate() {
+                        column[k] = home.rotation[(base_axis, axis.index())] / scale[k];
+                    }
                 }
                 ParameterRole::BasePoint { leg: l, axis } if l == *leg => {
-                    columns[1][k] = along[axis.index()] / scale[k]
+                    slide[1][k] = along[axis.index()] / scale[k];
+                    together[axis.index()][k] = 1.0 / scale[k];
                 }
-                ParameterRole::JointOffset { leg: l } if l == *leg => columns[2][k] = 1.0 / scale[k],
+                ParameterRole::JointOffset { leg: l } if l == *leg => slide[2][k] = 1.0 / scale[k],
                 _ => {}
             }
         }
-        found.extend(pattern(format!("A{0} and B{0}", leg + 1), false, &columns));
+        let name = format!("A{0} and B{0}", leg + 1);
+        found.extend(pattern(name.clone(), Family::Slide, &slide));
+        found.extend(pattern(name, Family::Together, &together));
     }
     found
 }
 
-fn pattern(name: String, rigid: bool, columns: &[DVector<f64>]) -> Option<Pattern> {
+fn pattern(name: String, family: Family, columns: &[DVector<f64>]) -> Option<Pattern> {
     let columns: Vec<DVector<f64>> = columns.iter().filter(|c| c.norm() > 0.0).cloned().collect();
     if columns.is_empty() {
         return None;
     }
-    Some(Pattern { name, rigid, basis: DMatrix::from_columns(&columns).qr().q() })
+    Some(Pattern { name, family, basis: DMatrix::from_columns(&columns).qr().q() })
 }

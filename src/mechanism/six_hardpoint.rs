@@ -171,10 +171,10 @@ fn check_legs(legs: &[Leg]) -> Result<(), GeometryError> {
         if l.length <= 0.0 {
             return Err(GeometryError::Length { leg, length: l.length });
         }
-        if let Some([from, to]) = l.stroke {
-            if !(0.0 < from && from < to && to.is_finite()) {
-                return Err(GeometryError::Stroke { leg, from, to });
-            }
+        if let Some([from, to]) = l.stroke
+            && !(0.0 < from && from < to && to.is_finite())
+        {
+            return Err(GeometryError::Stroke { leg, from, to });
         }
     }
     Ok(())

@@ -7,6 +7,9 @@ use crate::mechanism::{Mechanism, Survey, Workspace};
 use crate::pose::PoseConvention;
 use crate::units::{Dimension, show_angle, show_length, three_digits};
 
+/// Long lists are cut after this many lines.
+const SHOWN: usize = 6;
+
 /// A table with right-aligned columns; the first column is left-aligned.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let columns = header.len();
@@ -36,7 +39,7 @@ fn errors_row(name: &str, e: &ErrorSummary) -> Vec<String> {
 fn parameter_table(parameters: &[Estimate]) -> String {
     let per_leg = parameters.iter().take_while(|p| p.spec.name.ends_with('1')).count();
     let grid = per_leg > 0
-        && parameters.len() % per_leg == 0
+        && parameters.len().is_multiple_of(per_leg)
         && per_leg <= 8
         && parameters.iter().all(|p| p.spec.dimension == Dimension::Length);
     if !grid {
@@ -107,13 +110,13 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
         );
     }
     text += &weak_directions(c);
-    for p in &c.plausibility.implausible {
-        text += &format!(
-            "Implausible: {} deviates by {:+.3} mm (tolerance {:.3} mm).\n",
-            p.name,
-            1e3 * p.deviation,
-            1e3 * p.tolerance
-        );
+    let implausible = &c.plausibility.implausible;
+    for p in implausible.iter().take(SHOWN) {
+        let (deviation, tolerance) = (1e3 * p.deviation, 1e3 * p.tolerance);
+        text += &format!("Implausible: {} deviates by {deviation:+.3} mm (tolerance {tolerance:.3} mm).\n", p.name);
+    }
+    if implausible.len() > SHOWN {
+        text += &format!("and {} more implausible parameters (--json lists all)\n", implausible.len() - SHOWN);
     }
     text += &match c.verdict.trusted {
         true => "\nThe result can be trusted.\n".to_owned(),
@@ -123,7 +126,6 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
 }
 
 fn weak_directions(c: &Calibration) -> String {
-    const SHOWN: usize = 6;
     if c.weak.is_empty() {
         return String::new();
     }
@@ -138,9 +140,10 @@ fn weak_directions(c: &Calibration) -> String {
     if c.weak.len() > SHOWN {
         text += &format!("  and {} more (--json lists all)\n", c.weak.len() - SHOWN);
     }
-    let poses = c.predicted.as_ref().map(|p| show_length(p.position_rms));
-    text += "These parameters are not determined; poses inside the workspace still are";
-    text += &poses.map_or_else(|| ".\n".into(), |p| format!(", to {p}.\n"));
+    if let Some(p) = &c.predicted {
+        text += "Values along these directions come from the tolerances; poses inside the workspace are still\n";
+        text += &format!("predicted to {} and {}.\n", show_length(p.position_rms), show_angle(p.rotation_rms));
+    }
     text
 }
 
@@ -256,7 +259,6 @@ pub fn inspection(i: &Inspection<'_>) -> String {
 }
 
 fn prospect(mechanism: &dyn Mechanism, p: &Prospect) -> String {
-    const SHOWN: usize = 4;
     let sigmas: Vec<f64> = p.sigma.iter().flatten().copied().collect();
     let rms = (sigmas.iter().map(|s| s * s).sum::<f64>() / sigmas.len().max(1) as f64).sqrt();
     let total = mechanism.parameters().len();

@@ -40,6 +40,7 @@ pub struct LevenbergMarquardt {
 const FIRST_DAMPING_AFTER_FAILURE: f64 = 1e-4;
 const NO_DAMPING_BELOW: f64 = 1e-14;
 const HOPELESS_DAMPING: f64 = 1e30;
+const ROUNDING_DAMPING: f64 = 1e-12;
 /// The part of a longer column's length that $D$ keeps from one step to the next.
 const SCALE_MEMORY: f64 = 0.8;
 /// A column that one step shortens to less than this part has vanished.
@@ -96,8 +97,12 @@ impl LevenbergMarquardt {
         self.progress.history.push(IterationRecord { cost, step: step.delta.amax(), damping });
     }
 
+    /// The step without damping. Columns that depend on each other have none; a damping at the level of rounding
+    /// then leaves the step along what the rows do determine.
     fn undamped_step(&self, columns: &DVector<f64>) -> Option<LinearStep> {
-        solve_step(&self.progress.jacobian, &self.progress.residual, columns, 0.0, LinearMethod::Qr)
+        let p = &self.progress;
+        let step = |damping| solve_step(&p.jacobian, &p.residual, columns, damping, LinearMethod::Qr);
+        step(0.0).or_else(|| step(ROUNDING_DAMPING))
     }
 
     /// Converged if the undamped step is negligible; it is then taken if it helps.

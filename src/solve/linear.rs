@@ -28,6 +28,9 @@ pub struct LinearStep {
 /// correct digits, and the iteration repairs the rest.
 const SMALLEST_PIVOT: f64 = 1e-9;
 
+/// Diagonal entries of R below this part of the largest are rounding, for columns of length one.
+const SINGULAR: f64 = 1e-13;
+
 /// Lengths of the columns; a column of zeros counts as one, so that its unknown stays where it is.
 pub(super) fn column_norms(j: &DMatrix<f64>) -> DVector<f64> {
     DVector::from_iterator(
@@ -102,7 +105,7 @@ fn by_qr(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64)
     qr.q_tr_mul(&mut rhs);
     let upper = qr.unpack_r();
     let largest = upper.diagonal().amax();
-    if !(upper.diagonal().iter().all(|d| d.abs() > 1e-15 * largest)) {
+    if !(upper.diagonal().iter().all(|d| d.abs() > SINGULAR * largest)) {
         return None;
     }
     let mut delta = upper.solve_upper_triangular(&rhs.rows(0, n).into_owned())?;

@@ -1,5 +1,5 @@
 //! What the integration tests share: the bundled case and small helpers.
-#![allow(dead_code, missing_docs, unreachable_pub)]
+#![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::{Dataset, Noise};

@@ -95,7 +95,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let measurement = ui.measurement(&args.data, &machine)?;
     let holdout = match (&args.holdout, &second) {
         (None, _) => Holdout::Folds(5),
-        (_, Some(path)) => Holdout::Data(ui.measurement(path, &machine)?.data),
+        (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine)?.data)),
         (Some(part), None) => match part.parse::<f64>() {
             Ok(part) if part > 0.0 && part < 1.0 => Holdout::Fraction(part),
             _ => bail!("--holdout {part}: a part of the rows lies between 0 and 1, such as 0.2; or name a file"),

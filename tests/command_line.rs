@@ -1,0 +1,230 @@
+//! The program as a user runs it: the JSON keys that scripts rely on, files that go from command to command.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use common::path;
+use serde_json::Value;
+
+fn paracal(folder: &Path, args: &[&str]) -> Output {
+    cargo_bin_cmd!("paracal").current_dir(folder).args(args).output().unwrap()
+}
+
+fn json(folder: &Path, args: &[&str]) -> Value {
+    let output = paracal(folder, &[args, &["--json"]].concat());
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn number(v: &Value, keys: &[&str]) -> f64 {
+    keys.iter().fold(v, |v, k| &v[*k]).as_f64().unwrap_or_else(|| panic!("no number at {keys:?} in {v}"))
+}
+
+#[test]
+fn the_bundled_case_calibrates_evaluates_and_compensates() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, exact) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-exact.csv"));
+    let targets = path("examples/data/hardpoint-targets.csv");
+    let result = json(folder.path(), &["calibrate", &table5, &exact, "-o", "c.toml"]);
+    assert_eq!(result["converged"], true);
+    assert_eq!(result["trusted"], true);
+    assert!(result["iterations"].as_u64().unwrap() <= 5);
+    let parameters = result["parameters"].as_array().unwrap();
+    let names: Vec<&str> = parameters.iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert_eq!(&names[..8], ["xA1", "yA1", "zA1", "h1", "xB1", "yB1", "zB1", "xA2"]);
+    assert_eq!(parameters.len(), 42);
+    let h1 = &parameters[3];
+    assert!((number(h1, &["nominal"]) - 0.8).abs() < 1e-15 && (number(h1, &["value"]) - 0.8006).abs() < 1e-12);
+    assert!(number(h1, &["sigma"]) > 0.0 && h1["unit"] == "m");
+    for key in ["rms_before", "rms_after", "held_out"] {
+        assert!(number(&result, &[key, "position_m"]) < 2e-3 && number(&result, &[key, "rotation_rad"]) < 3e-3);
+    }
+    for key in ["frames", "weak_directions", "implausible"] {
+        assert!(!result[key].is_null(), "{key}");
+    }
+    let errors = json(folder.path(), &["evaluate", "c.toml", &targets]);
+    assert_eq!(errors["rows"], 150);
+    assert!(number(&errors, &["max", "position_m"]) <= 1e-12 && number(&errors, &["max", "rotation_rad"]) <= 2e-12);
+    assert!(number(&errors, &["mean", "position_m"]) <= number(&errors, &["rms", "position_m"]));
+
+    // The lengths to command for the targets are those with which the targets were made.
+    json(folder.path(), &["compensate", "c.toml", &targets, "-o", "lengths.csv"]);
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = std::fs::read_to_string(name).unwrap();
+        let data = text.lines().filter(|l| !l.starts_with('#')).skip(1);
+        data.map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect()
+    };
+    let lengths = rows(folder.path().join("lengths.csv").to_str().unwrap());
+    for (found, wanted) in lengths.iter().zip(rows(&targets)) {
+        for (f, w) in found.iter().zip(&wanted) {
+            assert!((f - w).abs() <= 2e-9, "{f} mm against {w} mm");
+        }
+    }
+}
+
+#[test]
+fn a_simulated_campaign_is_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let poses = path("examples/data/hardpoint-exact.csv");
+    let mut results = Vec::new();
+    for threads in ["1", "2"] {
+        let simulate = [
+            "simulate",
+            &table5,
+            "--poses",
+            &poses,
+            "-o",
+            "d.csv",
+            "--error-sd",
+            "0.5mm",
+            "--seed",
+            "3",
+            "--truth",
+            "t.toml",
+        ];
+        assert!(paracal(folder.path(), &[&simulate[..], &["--threads", threads]].concat()).status.success());
+        let calibrate = ["calibrate", &table5, "d.csv", "-o", "c.toml", "--json", "--threads", threads];
+        let output = paracal(folder.path(), &calibrate);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+        results.push((read("d.csv"), read("t.toml"), read("c.toml"), output.stdout));
+    }
+    assert!(results[0] == results[1]);
+    // The written truth is the mechanism that was measured.
+    let errors = json(folder.path(), &["evaluate", "t.toml", "d.csv"]);
+    let rms = number(&errors, &["rms", "position_m"]);
+    assert!((1.2e-6..2.3e-6).contains(&rms), "{rms:.2e}: the noise is 1 um a coordinate");
+}
+
+#[test]
+fn parameter_errors_from_a_file_and_no_noise_give_exact_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, errors) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-errors.csv"));
+    let poses = path("examples/data/hardpoint-exact.csv");
+    let none = ["--noise-position", "0um", "--noise-rotation", "0deg"];
+    let simulate = ["simulate", &table5, "--poses", &poses, "-o", "d.csv", "--errors", &errors];
+    assert!(paracal(folder.path(), &[&simulate[..], &none].concat()).status.success());
+    let result = json(folder.path(), &["calibrate", &table5, "d.csv", "-o", "c.toml"]);
+    let xb5 = result["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "xB5").unwrap();
+    assert!((number(xb5, &["value"]) - number(xb5, &["nominal"]) + 1.3e-3).abs() < 1e-11);
+}
+
+#[test]
+fn misfit_beyond_chance_is_written_but_not_trusted() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = common::text("mechanisms/table5.toml").replace("position = 0.001\n", "position = 0.0003\n");
+    std::fs::write(folder.path().join("m.toml"), text).unwrap();
+    let noisy = path("examples/data/hardpoint-noisy.csv");
+    let output = paracal(folder.path(), &["calibrate", "m.toml", &noisy, "-o", "c.toml"]);
+    assert_eq!(output.status.code(), Some(3));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("Do not trust this result") && text.contains("times the stated noise"), "{text}");
+    assert!(folder.path().join("c.toml").exists());
+}
+
+#[test]
+fn poses_that_cannot_tell_are_not_trusted_without_a_prior() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    // Translations alone: no pose turns the platform.
+    let mut poses = String::from("x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n");
+    for k in 0..27 {
+        poses += &format!("{},{},{},0,0,0\n", 50 * (k % 3 - 1), 50 * (k / 3 % 3 - 1), 475 + 50 * (k / 9 - 1));
+    }
+    std::fs::write(folder.path().join("p.csv"), poses).unwrap();
+    let simulate = ["simulate", &table5, "--poses", "p.csv", "-o", "d.csv"];
+    assert!(paracal(folder.path(), &simulate).status.success());
+    let without = paracal(folder.path(), &["calibrate", &table5, "d.csv", "-o", "c.toml", "--prior", "none"]);
+    assert_eq!(without.status.code(), Some(3), "{}", String::from_utf8_lossy(&without.stdout));
+    let text = String::from_utf8(without.stdout).unwrap();
+    assert!(text.contains("directions undetermined"), "{text}");
+    let with = paracal(folder.path(), &["calibrate", &table5, "d.csv", "-o", "c.toml"]);
+    assert_eq!(with.status.code(), Some(0), "{}", String::from_utf8_lossy(&with.stdout));
+}
+
+#[test]
+fn gross_errors_are_found_by_the_robust_identifier() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let mut poses = String::from("x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n");
+    for k in 0..60_i32 {
+        let digit = |step: i32| f64::from((k * step) % 19 - 9) / 9.0;
+        let (p, r) = ([digit(1), digit(5), digit(7)], [digit(3), digit(11), digit(13)]);
+        poses += &format!("{},{},{},", 90.0 * p[0], 90.0 * p[1], 475.0 + 90.0 * p[2]);
+        poses += &format!("{},{},{}\n", 9.0 * r[0], 9.0 * r[1], 9.0 * r[2]);
+    }
+    std::fs::write(folder.path().join("p.csv"), poses).unwrap();
+    let simulate = ["simulate", &table5, "--poses", "p.csv", "-o", "d.csv", "--error-sd", "0.5mm", "--truth", "t.toml"];
+    assert!(paracal(folder.path(), &simulate).status.success());
+    let text = std::fs::read_to_string(folder.path().join("d.csv")).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    // Rows 4, 17 and 40 get 30 um in x; two lines of comment and header stand above.
+    for row in [4, 17, 40] {
+        let mut cells: Vec<String> = lines[row + 2].split(',').map(str::to_owned).collect();
+        cells[6] = (cells[6].parse::<f64>().unwrap() + 0.03).to_string();
+        lines[row + 2] = cells.join(",");
+    }
+    std::fs::write(folder.path().join("bad.csv"), lines.join("\n")).unwrap();
+    let plain = paracal(folder.path(), &["calibrate", &table5, "bad.csv", "-o", "c.toml"]);
+    assert_eq!(plain.status.code(), Some(3));
+    for loss in ["huber", "tukey"] {
+        let args = ["calibrate", &table5, "bad.csv", "-o", "r.toml", "--identifier", "robust", "--loss", loss];
+        let result = json(folder.path(), &args);
+        assert_eq!(result["outlier_rows"], serde_json::json!([4, 17, 40]), "{loss}");
+        let scale = number(&result, &["noise_scale"]);
+        assert!((0.8..1.25).contains(&scale), "{loss}: {scale}");
+    }
+    // The robust model is as good as one from the clean rows.
+    let clean = json(folder.path(), &["evaluate", "r.toml", "d.csv"]);
+    assert!(number(&clean, &["rms", "position_m"]) < 1.9e-6, "{clean}");
+}
+
+#[test]
+fn noise_that_is_not_stated_is_estimated() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = common::text("mechanisms/table5.toml");
+    let (head, _) = text.split_once("[noise]").unwrap();
+    std::fs::write(folder.path().join("m.toml"), head).unwrap();
+    let noisy = path("examples/data/hardpoint-noisy.csv");
+    let result = json(folder.path(), &["calibrate", "m.toml", &noisy, "-o", "c.toml"]);
+    assert_eq!(result["trusted"], true);
+    // Position : rotation = 1 : 1/radius is not the ratio of these data, so the size is only about 1 um.
+    let scale = number(&result, &["noise_scale"]);
+    assert!((0.3..3.0).contains(&scale), "{scale}");
+    assert!(result["p_value"].is_null());
+}
+
+#[test]
+fn inspect_states_the_contract_keys_and_looks_ahead() {
+    let folder = tempfile::tempdir().unwrap();
+    let seen = json(folder.path(), &["inspect", &path("mechanisms/table5.toml")]);
+    assert_eq!(seen["legs"].as_array().unwrap().len(), 6);
+    assert!((seen["legs"][0]["platform"][0].as_f64().unwrap() - 1.29917).abs() < 1e-15);
+    assert!((number(&seen["legs"][0], &["length"]) - 0.8).abs() < 1e-6);
+    assert!((seen["home"][2].as_f64().unwrap() - 0.475_695_8).abs() < 1e-7);
+    assert_eq!(seen["joints"][5], "leg6");
+    assert!(number(&seen, &["prospect", "predicted", "rms", "position_m"]) < 2e-6);
+    for name in ["table2", "rubin-camera-hexapod", "rubin-m2-hexapod", "nategh-agheli"] {
+        let output = paracal(folder.path(), &["inspect", &path(&format!("mechanisms/{name}.toml"))]);
+        assert!(output.status.success() && output.stderr.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn argmins_solver_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, noisy) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-noisy.csv"));
+    let with = |solver: &str| {
+        let args = ["calibrate", &table5, &noisy, "-o", "c.toml", "--identifier", "least-squares", "--solver", solver];
+        json(folder.path(), &args)
+    };
+    let (qr, argmin) = (with("qr"), with("argmin"));
+    for (a, b) in qr["parameters"].as_array().unwrap().iter().zip(argmin["parameters"].as_array().unwrap()) {
+        assert!((number(a, &["value"]) - number(b, &["value"])).abs() < 1e-9, "{a} {b}");
+    }
+}
