@@ -148,10 +148,9 @@ pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<P
         PriorPolicy::Auto | PriorPolicy::None => {}
     }
     let spectrum = DataSpectrum::at_start(task, noise_scale)?;
-    if task.prior == PriorPolicy::Auto && !unweighted && spectrum.smallest() < DECIDED {
-        if let Ok(prior) = tolerances() {
-            return Ok(Some(prior));
-        }
+    let undecided = task.prior == PriorPolicy::Auto && !unweighted && spectrum.smallest() < DECIDED;
+    if let (true, Ok(prior)) = (undecided, tolerances()) {
+        return Ok(Some(prior));
     }
     let (rows, samples) = (task.data.row_count(), task.data.len());
     let unknowns = task.mechanism.parameters().len() + own;

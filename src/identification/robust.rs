@@ -65,14 +65,14 @@ impl Loss {
     }
 
     /// Efficiency for $k$-dimensional normal residuals: $k η^2 / E[ψ^2]$ with $ψ = w(d) d$ and
-    /// $η = E[ψ' + (k-1) ψ/d]/k$, by the trapezoid rule over the χ distribution.
+    /// $η = E[ψ' + (k-1) ψ/d]/k$, by the midpoint rule over the χ distribution.
     fn efficiency(self, k: usize, c: f64) -> f64 {
         let Ok(chi) = ChiSquared::new(k as f64) else { return f64::NAN };
         let (mut square, mut slope) = (0.0, 0.0);
         let step = 0.01;
         let psi = |d: f64| self.weight(d, c) * d;
-        for i in 1..1200 {
-            let d = i as f64 * step;
+        for i in 0..1200 {
+            let d = (f64::from(i) + 0.5) * step;
             let density = 2.0 * d * chi.pdf(d * d) * step;
             let derivative = (psi(d + 1e-5) - psi(d - 1e-5)) / 2e-5;
             square += psi(d).powi(2) * density;
