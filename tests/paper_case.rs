@@ -210,3 +210,27 @@ fn small_strokes_leave_parameters_undetermined_and_poses_known() {
     assert!(text.contains("slide along their leg"), "{text}");
     assert!(result.predicted.unwrap().position_rms < 2e-6);
 }
+
+#[test]
+fn noise_of_the_joint_readings_is_part_of_the_covariance() {
+    let m = machine("table5");
+    let nominal = m.mechanism.as_ref();
+    let truth = true_mechanism(nominal);
+    let space = workspace(nominal, 100.0, 10.0);
+    let corners = space.corners();
+    let poses: Vec<Pose> = (0..30).map(|k| corners[37 * k % 64]).collect();
+    let noise = paracal::measurement::Noise { joint: 2e-6, ..paper_noise() };
+    const DRAWS: u64 = 300;
+    let squares = monte_carlo(DRAWS, 14, |_, rng| {
+        let samples = simulate(nominal, truth.as_ref(), &poses, &space.convention, &noise, rng).unwrap();
+        let measured = as_dataset(&samples, &space.convention, &noise);
+        let task = Task { prior: PriorPolicy::None, ..Task::new(nominal, &measured) };
+        let found = LevenbergMarquardt::default().identify(&task).unwrap();
+        let z = found.parameters.iter().zip(truth.values()).map(|(p, t)| (p.value - t) / p.sigma.unwrap());
+        (rms(z), found.misfit.chi_square / found.misfit.degrees_of_freedom as f64)
+    });
+    let ratio = rms(squares.iter().map(|(z, _)| *z));
+    assert!((0.95..=1.05).contains(&ratio), "empirical over predicted sigma {ratio:.3}");
+    let chi = squares.iter().map(|(_, c)| c).sum::<f64>() / DRAWS as f64;
+    assert!((0.97..=1.03).contains(&chi), "chi-square per degree of freedom {chi:.3}");
+}

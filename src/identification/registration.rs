@@ -43,7 +43,8 @@ const FEWEST: usize = 3;
 
 /// Finds the frames of the data, if they are not near the base frame and the platform frame already.
 ///
-/// Data of which neither poses nor a point are complete are taken to be in the base frame.
+/// Samples of which neither the pose nor a point is complete do not take part; with fewer than three others the
+/// data are taken to be in the base frame.
 ///
 /// # Errors
 /// [`IdentifyError::Sample`] if the nominal mechanism has no pose for a sample.
@@ -60,13 +61,13 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         pairs.push(Pair { nominal, point, rotation: full.map(|p| p.rotation) });
     }
     let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
-    if pairs.len() < FEWEST || pairs.len() < data.len() {
-        return Ok(unregistered(f64::NAN));
+    // Attitudes are worth more than points: samples without one are left out while enough others have one.
+    let full = pairs.iter().filter(|p| p.rotation.is_some()).count();
+    if full >= FEWEST {
+        pairs.retain(|p| p.rotation.is_some());
     }
-    if pairs.iter().any(|p| p.rotation.is_none()) {
-        for pair in &mut pairs {
-            pair.rotation = None;
-        }
+    if pairs.len() < FEWEST {
+        return Ok(unregistered(f64::NAN));
     }
     let size = characteristic_length(mechanism);
     let before = misfit(&pairs, &Frames::default(), size);
