@@ -143,7 +143,7 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, UnitError
     let bad = || UnitError::Quantity { found: text.into(), example };
     let text = text.trim();
     // The unit is the trailing run of letters; an exponent's `e` is always followed by a digit or a sign.
-    let split = text.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |i| i + 1);
+    let split = text.trim_end_matches(|c: char| c.is_ascii_alphabetic()).len();
     let (number, name) = text.split_at(split);
     let value: f64 = number.trim().parse().map_err(|_| bad())?;
     if name.is_empty() || !value.is_finite() {
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(parse_quantity(" -1.5e-3 m", Dimension::Length), Ok(-1.5e-3));
         assert!((parse_quantity("1arcsec", Dimension::Angle).unwrap() - 4.848_136_811e-6).abs() < 1e-14);
         assert!((parse_quantity("293.15K", Dimension::Temperature).unwrap() - 20.0).abs() < 1e-12);
-        for bad in ["", "um", "2", "2 furlong", "2deg", "NaNmm", "1e3"] {
+        for bad in ["", "um", "2", "2 furlong", "2deg", "NaNmm", "1e3", "1µm", "µ"] {
             assert!(parse_quantity(bad, Dimension::Length).is_err(), "{bad}");
         }
     }

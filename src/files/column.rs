@@ -91,7 +91,8 @@ pub(super) fn column(name: &str, mechanism: &dyn Mechanism, targets: &[String]) 
         }
     }
     if leg_number(base).is_some() {
-        return Err(format!("the mechanism has {} legs", mechanism.joints().len()));
+        let legs = mechanism.joints().len();
+        return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit })
 }

@@ -11,7 +11,7 @@ use crate::units::UnitError;
 #[derive(Debug, Error)]
 pub enum FileError {
     /// It cannot be read.
-    #[error("{}: cannot be read: {cause}", path.display())]
+    #[error("{}: cannot be read: {cause}; check its name and permissions", path.display())]
     Read {
         /// File.
         path: PathBuf,
@@ -25,16 +25,18 @@ pub enum FileError {
         path: PathBuf,
     },
     /// It has nothing in it.
-    #[error("{}: the file is empty", path.display())]
+    #[error("{}: the file is empty; check that it is the right one", path.display())]
     Empty {
         /// File.
         path: PathBuf,
     },
     /// It is not text.
-    #[error("{}: is not UTF-8 text (first bad byte at {offset}); save it as UTF-8", path.display())]
+    #[error("{}: line {line}: is not UTF-8 text (first bad byte at {offset}); save it as UTF-8", path.display())]
     Encoding {
         /// File.
         path: PathBuf,
+        /// Line of the first bad byte, from 1.
+        line: usize,
         /// Offset of the first bad byte.
         offset: usize,
     },
@@ -93,7 +95,11 @@ pub enum FileError {
         problem: String,
     },
     /// A row has too few or too many cells.
-    #[error("{}: data row {row} (line {line}) has {found} cells, the header has {expected}", path.display())]
+    #[error(
+        "{}: data row {row} (line {line}) has {found} cells, the header has {expected}; write one cell for each \
+         column, empty where there is nothing",
+        path.display()
+    )]
     RowLength {
         /// File.
         path: PathBuf,
@@ -140,6 +146,16 @@ pub enum FileError {
         /// What the system says.
         cause: std::io::Error,
     },
+    /// Some outputs are in place, and the next could not follow.
+    #[error("{}: cannot be written: {cause}; but {} was written", path.display(), written.display())]
+    Partly {
+        /// File that could not be put in place.
+        path: PathBuf,
+        /// What the system says.
+        cause: std::io::Error,
+        /// The last file that was put in place.
+        written: PathBuf,
+    },
     /// An output would replace an input.
     #[error("{}: is also an input; an input is never overwritten, choose another name for the output", path.display())]
     OverInput {
@@ -147,7 +163,7 @@ pub enum FileError {
         path: PathBuf,
     },
     /// Two outputs have the same name.
-    #[error("{}: is named twice as an output", path.display())]
+    #[error("{}: is named twice as an output; give each output a name of its own", path.display())]
     TwiceOutput {
         /// File.
         path: PathBuf,
@@ -163,8 +179,11 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
         return Err(FileError::Folder { path: path.into() });
     }
     let bytes = std::fs::read(path).map_err(|cause| FileError::Read { path: path.into(), cause })?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| FileError::Encoding { path: path.into(), offset: e.utf8_error().valid_up_to() })?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let offset = e.utf8_error().valid_up_to();
+        let line = 1 + e.as_bytes()[..offset].iter().filter(|b| **b == b'\n').count();
+        FileError::Encoding { path: path.into(), line, offset }
+    })?;
     let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_owned);
     if text.trim().is_empty() {
         return Err(FileError::Empty { path: path.into() });

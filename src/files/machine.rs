@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::document::{HomeSection, LegEntry, MechanismDocument, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
+use super::writer::number;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
 use crate::pose::PoseConvention;
@@ -52,18 +53,28 @@ impl Reader<'_> {
     }
 
     fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
-        if v.is_finite() { Ok(v) } else { Err(self.value(place, format!("{v} is not a finite number"))) }
+        if v.is_finite() {
+            Ok(v)
+        } else {
+            Err(self.value(place, format!("{v} is not a finite number; write a number")))
+        }
     }
 
-    fn at_least(&self, place: &str, v: f64, positive: bool) -> Result<f64, FileError> {
+    fn not_negative(&self, place: &str, v: f64) -> Result<f64, FileError> {
         self.finite(place, v)?;
-        match (positive, v) {
-            (true, v) if v <= 0.0 => {
-                Err(self.value(place, format!("must be positive, found {v}; leave the section out if it is not known")))
-            }
-            (false, v) if v < 0.0 => Err(self.value(place, format!("must not be negative, found {v}"))),
-            _ => Ok(v),
-        }
+        if v < 0.0 { Err(self.value(place, format!("must not be negative, found {v}"))) } else { Ok(v) }
+    }
+
+    fn positive(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        if v <= 0.0 { Err(self.value(place, format!("must be positive, found {v}"))) } else { Ok(v) }
+    }
+
+    /// A number of a section that may be left out.
+    fn known(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        let problem = || format!("must be positive, found {v}; leave the section out if it is not known");
+        if v <= 0.0 { Err(self.value(place, problem())) } else { Ok(v) }
     }
 
     fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
@@ -168,7 +179,10 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
         return Err(r.value("type", format!("'{}' is not a kind of mechanism; use \"{SIX_HARDPOINT}\"", document.kind)));
     }
     if !document.effects.is_empty() {
-        return Err(r.value("[[effect]]", "this version cannot use effects; it would command without them"));
+        return Err(r.value(
+            "[[effect]]",
+            "this version cannot use effects and would command without them; use the file without the section",
+        ));
     }
     let geometry = |cause| FileError::Geometry { path: path.into(), cause };
     let mut legs = Vec::with_capacity(6);
@@ -177,16 +191,16 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
         legs.push(Leg {
             platform: r.point(&place("platform"), &l.platform)?,
             base: r.point(&place("base"), &l.base)?,
-            length: r.length.to_si(r.at_least(&place("length"), l.length, true)?),
+            length: r.length.to_si(r.positive(&place("length"), l.length)?),
             length_offset: r.length.to_si(r.finite(&place("length_offset"), l.length_offset)?),
-            stroke: l.stroke.map(|s| s.map(|v| r.length.to_si(v))),
+            stroke: l.stroke.map(|s| stroke(r, &place("stroke"), s)).transpose()?,
         });
     }
     if legs.len() != 6 {
         return Err(geometry(GeometryError::LegCount { found: legs.len() }));
     }
     if !document.shared_anchors {
-        check_distinct_anchors(&legs).map_err(geometry)?;
+        check_distinct_anchors(&legs).map_err(|cause| equal_anchors(r, cause))?;
     }
     let pivot = r.point("pivot", &document.pivot)?;
     let convention = PoseConvention { order: document.rotation_order, pivot };
@@ -194,8 +208,8 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
     let tolerance = match &document.tolerance {
         None => None,
         Some(t) => {
-            let anchor = r.length.to_si(r.at_least("[tolerance] anchor", t.anchor, true)?);
-            let length = t.length.map(|v| r.at_least("[tolerance] length", v, true)).transpose()?;
+            let anchor = r.length.to_si(r.known("[tolerance] anchor", t.anchor)?);
+            let length = t.length.map(|v| r.known("[tolerance] length", v)).transpose()?;
             Some((anchor, length.map_or(anchor, |v| r.length.to_si(v))))
         }
     };
@@ -205,7 +219,7 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
         None => None,
         Some(w) => {
             for v in w.position.iter().chain(&w.rotation) {
-                r.at_least("[workspace]", *v, false)?;
+                r.not_negative("[workspace]", *v)?;
             }
             let half = r.six("[workspace]", &w.position, &w.rotation)?;
             Some(Workspace { convention, centre: convention.coordinates(&mechanism.home()), half })
@@ -214,9 +228,9 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
     let noise = match &document.noise {
         None => None,
         Some(n) => Some(Noise {
-            position: r.length.to_si(r.at_least("[noise] position", n.position, true)?),
-            rotation: r.angle.to_si(r.at_least("[noise] rotation", n.rotation, true)?),
-            joint: r.length.to_si(r.at_least("[noise] joint", n.joint, false)?),
+            position: r.length.to_si(r.known("[noise] position", n.position)?),
+            rotation: r.angle.to_si(r.known("[noise] rotation", n.rotation)?),
+            joint: r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
             known: true,
         }),
     };
@@ -224,11 +238,12 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
     for t in &document.targets {
         let place = format!("[[target]] '{}'", t.name);
         if targets.iter().any(|k: &TargetPoint| k.name == t.name) {
-            return Err(r.value(place, "is stated twice"));
+            return Err(r.value(place, "is stated twice; give each target a name of its own"));
         }
         let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
+    kept_sections(r, &document)?;
     let warnings = warnings(&mechanism, &legs);
     Ok(Machine {
         path: path.into(),
@@ -242,6 +257,44 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
         warnings,
         document,
     })
+}
+
+fn stroke(r: &Reader<'_>, place: &str, [from, to]: [f64; 2]) -> Result<[f64; 2], FileError> {
+    if !(0.0 < from && from < to && to.is_finite()) {
+        return Err(r.value(place, format!("[{from}, {to}] is not an interval; write [shortest, longest] length")));
+    }
+    Ok([r.length.to_si(from), r.length.to_si(to)])
+}
+
+/// Names the common point in the unit of the file.
+fn equal_anchors(r: &Reader<'_>, cause: GeometryError) -> FileError {
+    let GeometryError::EqualAnchors { first, second, body, x, y, z } = cause else {
+        return FileError::Geometry { path: r.path.into(), cause };
+    };
+    let point = [x, y, z].map(|v| number(r.length.from_si(v))).join(", ");
+    r.value(
+        format!("legs {first} and {second}, `{body}`"),
+        format!(
+            "are the same point [{point}]; correct one of them, or state `shared_anchors = true` if the legs really \
+             meet there"
+        ),
+    )
+}
+
+/// Checks the sections that are only handed on.
+fn kept_sections(r: &Reader<'_>, document: &MechanismDocument) -> Result<(), FileError> {
+    if let Some(t) = document.reference_temperature {
+        r.finite("reference_temperature_degC", t)?;
+    }
+    if let Some(p) = &document.platform {
+        p.mass_kg.map(|v| r.known("[platform] mass_kg", v)).transpose()?;
+        p.centre_of_mass.map(|v| r.point("[platform] centre_of_mass", &v)).transpose()?;
+        p.payload_centre.map(|v| r.point("[platform] payload_centre", &v)).transpose()?;
+    }
+    if let Some(pitch) = document.actuator.as_ref().and_then(|a| a.screw_pitch) {
+        r.known("[actuator] screw_pitch", pitch)?;
+    }
+    Ok(())
 }
 
 fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {

@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nalgebra::{Quaternion, UnitQuaternion};
-
 use super::column::{Meaning, POSE_NAMES};
 use super::error::FileError;
 use super::machine::Machine;
@@ -14,7 +12,7 @@ use crate::conditions::Conditions;
 use crate::measurement::{
     Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, Sample, TargetMeasurement, TargetPoint,
 };
-use crate::mechanism::characteristic_length;
+use crate::mechanism::{KinematicsError, characteristic_length};
 
 /// A measurement file, read.
 #[derive(Debug)]
@@ -51,7 +49,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
         (true, false) => {
             let readings = pose_readings(&table, machine, &mut noise)?;
             if readings.iter().all(|r| !r.measured.contains(&true)) {
-                return Err(problem("no cell of the measured pose is filled"));
+                return Err(problem("no cell of the measured pose is filled; there is nothing to compare with"));
             }
             Arc::new(PoseMeasurement::new(machine.convention, readings))
         }
@@ -102,7 +100,12 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
             }
             let pose = machine.convention.pose(&q);
             let lengths = mechanism.inverse(mechanism.values(), &pose, &at);
-            lengths.map_err(|cause| FileError::Kinematics { path: table.path.clone(), row, cause })?
+            let failed = |cause| FileError::Kinematics { path: table.path.clone(), row, cause };
+            let lengths = lengths.map_err(failed)?;
+            if lengths.iter().any(|v| !v.is_finite()) {
+                return Err(failed(KinematicsError::NotFinite { what: "a length for the commanded pose".into() }));
+            }
+            lengths
         } else {
             joints.iter().flatten().map(|column| table.required(row, *column)).collect::<Result<_, _>>()?
         };
@@ -155,15 +158,7 @@ fn ignored_columns(table: &Table) -> Vec<usize> {
 
 fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<Vec<PoseReading>, FileError> {
     let header = |problem: &str| FileError::Header { path: table.path.clone(), problem: problem.into() };
-    let quaternion: Vec<Option<usize>> =
-        (0..4).map(|k| table.columns.iter().position(|c| c.meaning == Meaning::Quaternion(k))).collect();
-    let as_quaternion = quaternion.iter().any(Option::is_some);
-    if as_quaternion && quaternion.iter().any(Option::is_none) {
-        return Err(header("a quaternion needs all of qw, qx, qy and qz"));
-    }
-    if as_quaternion && table.columns.iter().any(|c| matches!(c.meaning, Meaning::Pose(3..))) {
-        return Err(header("has both a quaternion and angles; keep one of them"));
-    }
+    let quaternion = table.quaternion_columns()?;
     let mut every_sigma = true;
     let mut readings = Vec::with_capacity(table.rows.len());
     for row in 0..table.rows.len() {
@@ -181,7 +176,11 @@ fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<
                 Meaning::Sigma(k) => {
                     if let Some(sigma) = table.number(row, column)? {
                         if sigma <= 0.0 {
-                            return Err(table.cell_error(row, column, "must be positive"));
+                            return Err(table.cell_error(
+                                row,
+                                column,
+                                "must be positive; leave the cell empty if it is not known",
+                            ));
                         }
                         reading.sigma[k] = sigma;
                         has_sigma[k] = true;
@@ -190,8 +189,9 @@ fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<
                 _ => {}
             }
         }
-        if as_quaternion {
-            quaternion_angles(table, row, &quaternion, machine, &mut reading)?;
+        if let Some(turn) = quaternion.map(|columns| table.quaternion(row, &columns)).transpose()?.flatten() {
+            reading.values[3..].copy_from_slice(machine.convention.angles(&turn.to_rotation_matrix()).as_slice());
+            reading.measured[3..].fill(true);
         }
         every_sigma &= (0..6).all(|k| has_sigma[k] || !reading.measured[k]);
         readings.push(reading);
@@ -207,40 +207,6 @@ fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<
         noise.known = true;
     }
     Ok(readings)
-}
-
-fn quaternion_angles(
-    table: &Table,
-    row: usize,
-    columns: &[Option<usize>],
-    machine: &Machine,
-    reading: &mut PoseReading,
-) -> Result<(), FileError> {
-    let mut q = [0.0; 4];
-    let mut filled = 0;
-    for (k, column) in columns.iter().flatten().enumerate() {
-        if let Some(v) = table.number(row, *column)? {
-            q[k] = v;
-            filled += 1;
-        }
-    }
-    let first = columns[0].unwrap_or(0);
-    match filled {
-        0 => return Ok(()),
-        4 => {}
-        _ => return Err(table.cell_error(row, first, "belongs to a quaternion of which only a part is filled")),
-    }
-    let quaternion = Quaternion::new(q[0], q[1], q[2], q[3]);
-    if (quaternion.norm() - 1.0).abs() > 1e-3 {
-        let problem = format!("belongs to a quaternion of length {:.6}; it must be 1", quaternion.norm());
-        return Err(table.cell_error(row, first, problem));
-    }
-    let angles = machine.convention.angles(&UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix());
-    for k in 0..3 {
-        reading.values[k + 3] = angles[k];
-        reading.measured[k + 3] = true;
-    }
-    Ok(())
 }
 
 fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<TargetMeasurement, FileError> {
@@ -264,6 +230,10 @@ fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<Ta
             }
         }
         readings.push(cells);
+    }
+    if readings.iter().flatten().flatten().all(Option::is_none) {
+        let problem = "no cell of the measured targets is filled; there is nothing to compare with".into();
+        return Err(FileError::Header { path: table.path.clone(), problem });
     }
     Ok(TargetMeasurement::new(targets, readings, noise.position))
 }

@@ -36,8 +36,14 @@ impl Outputs {
         let folder = folder_of(path);
         match fs::metadata(folder) {
             Ok(meta) if meta.is_dir() => Ok(()),
-            Ok(_) => Err(write_error(path, std::io::Error::other(format!("{} is not a folder", folder.display())))),
-            Err(cause) => Err(write_error(path, cause)),
+            Ok(_) => {
+                let problem = format!("'{}' is a file and not a folder", folder.display());
+                Err(write_error(path, std::io::Error::other(problem)))
+            }
+            Err(cause) => {
+                let problem = format!("folder '{}': {cause}, create it or name another", folder.display());
+                Err(write_error(path, std::io::Error::new(cause.kind(), problem)))
+            }
         }
     }
 
@@ -57,7 +63,8 @@ impl Outputs {
     /// Writes all files, or none.
     ///
     /// # Errors
-    /// [`FileError::Write`]; temporary files are removed.
+    /// [`FileError::Write`]; temporary files are removed. [`FileError::Partly`] if the system puts one file in
+    /// place and refuses the next.
     pub fn write(self) -> Result<(), FileError> {
         let mut staged: Vec<(PathBuf, PathBuf)> = Vec::new();
         let result = self.stage(&mut staged);
@@ -68,11 +75,16 @@ impl Outputs {
             }
             return result;
         }
-        for (temporary, path) in &staged {
-            fs::rename(temporary, path).map_err(|cause| {
-                let _ = fs::remove_file(temporary);
-                write_error(path, cause)
-            })?;
+        for (k, (temporary, path)) in staged.iter().enumerate() {
+            if let Err(cause) = fs::rename(temporary, path) {
+                for (left, _) in &staged[k..] {
+                    let _ = fs::remove_file(left);
+                }
+                return Err(match staged[..k].last() {
+                    Some((_, written)) => FileError::Partly { path: path.clone(), cause, written: written.clone() },
+                    None => write_error(path, cause),
+                });
+            }
         }
         Ok(())
     }
@@ -114,10 +126,16 @@ fn same_file(a: &Path, b: &Path) -> bool {
     if a == b {
         return true;
     }
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b || same_inode(&a, &b),
+    match (resolved(a), resolved(b)) {
+        (Some(a), Some(b)) => a == b || same_inode(&a, &b),
         _ => false,
     }
+}
+
+/// The path without links and detours; the file itself need not exist.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let of_new_file = || Some(fs::canonicalize(folder_of(path)).ok()?.join(path.file_name()?));
+    fs::canonicalize(path).ok().or_else(of_new_file)
 }
 
 #[cfg(unix)]
@@ -148,6 +166,16 @@ mod tests {
         outputs.files.push((missing, b"text".to_vec()));
         assert!(outputs.write().is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn one_file_by_two_paths_is_one_output() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("sub")).unwrap();
+        let mut outputs = Outputs::default();
+        outputs.add(&folder.path().join("new.txt"), "a").unwrap();
+        let detour = folder.path().join("sub/../new.txt");
+        assert!(matches!(outputs.add(&detour, "b"), Err(FileError::TwiceOutput { .. })));
     }
 
     #[test]

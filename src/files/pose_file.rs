@@ -5,11 +5,10 @@ use std::path::Path;
 use super::column::{Meaning, POSE_NAMES, pose_dimension};
 use super::error::FileError;
 use super::machine::Machine;
-use super::table::{Table, read_cells};
+use super::table::{Table, no_data_row, read_cells};
 use crate::mechanism::{Mechanism, ParameterRole};
 use crate::pose::Pose;
 use crate::units::{Dimension, Unit};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// A pose of a list.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +28,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
     let path = path.as_ref();
     let table = Table::read(path, machine.mechanism.as_ref(), &[])?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
-    let quaternion: Option<Vec<usize>> = (0..4).map(|k| find(Meaning::Quaternion(k))).collect();
+    let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };
     let mut columns = Vec::new();
     for (k, name) in POSE_NAMES.iter().enumerate().take(coordinates) {
@@ -45,11 +44,10 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
         for (k, column) in columns.iter().enumerate() {
             q[k] = table.required(row, *column)?;
         }
-        if let Some(quaternion) = &quaternion {
-            let v = quaternion.iter().map(|c| table.required(row, *c)).collect::<Result<Vec<f64>, _>>()?;
-            let turn = UnitQuaternion::from_quaternion(Quaternion::new(v[0], v[1], v[2], v[3]));
-            let angles: Vector3<f64> = machine.convention.angles(&turn.to_rotation_matrix());
-            q[3..].copy_from_slice(angles.as_slice());
+        if let Some(columns) = &quaternion {
+            let empty = || table.cell_error(row, columns[0], "must not be empty; fill it in or delete the row");
+            let turn = table.quaternion(row, columns)?.ok_or_else(empty)?;
+            q[3..].copy_from_slice(machine.convention.angles(&turn.to_rotation_matrix()).as_slice());
         }
         let id = id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
         poses.push(ListedPose { id, pose: machine.convention.pose(&q) });
@@ -58,7 +56,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
 }
 
 /// Reads parameter errors (`leg,xA_mm,…,h_mm`) in the order of the parameters of a mechanism, SI; parameters
-/// that are not listed have none.
+/// that are not listed have none. Each leg and each column stands once.
 ///
 /// # Errors
 /// [`FileError`] naming row, column and what to do.
@@ -74,8 +72,16 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
     let specs = mechanism.parameters();
     let legs = specs.iter().filter(|s| matches!(s.role, ParameterRole::JointOffset { .. })).count();
     let mut errors = vec![0.0; specs.len()];
+    let mut listed = vec![false; legs];
     let mut units = Vec::new();
-    for name in &header {
+    if rows.is_empty() {
+        return Err(no_data_row(path));
+    }
+    for (k, name) in header.iter().enumerate() {
+        let stem = |text: &str| text.rsplit_once('_').map_or(text, |(stem, _)| stem).to_owned();
+        if let Some(other) = header[..k].iter().find(|other| stem(other) == stem(name)) {
+            return Err(column_error(name, format!("means the same as column '{other}'; keep one of them")));
+        }
         if name == "leg" {
             units.push(None);
             continue;
@@ -96,13 +102,18 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             value: cells[k].clone(),
             problem: problem.into(),
         };
-        let leg: usize = cells[leg_column].parse().map_err(|_| cell_error(leg_column, "is not the number of a leg"))?;
+        let bad_leg = format!("is not a leg; legs are numbered from 1 to {legs}");
+        let leg: usize = cells[leg_column].parse().map_err(|_| cell_error(leg_column, &bad_leg))?;
         if leg == 0 || leg > legs {
-            return Err(cell_error(leg_column, &format!("is not a leg; legs are 1 to {legs}")));
+            return Err(cell_error(leg_column, &bad_leg));
+        }
+        if std::mem::replace(&mut listed[leg - 1], true) {
+            return Err(cell_error(leg_column, "stands twice; keep one row for each leg"));
         }
         for (k, unit) in units.iter().enumerate() {
             let Some((stem, unit)) = unit else { continue };
-            let value: f64 = cells[k].parse().map_err(|_| cell_error(k, "is not a number"))?;
+            let value: f64 =
+                cells[k].parse().map_err(|_| cell_error(k, "is not a number; write 0 if there is no error"))?;
             if !value.is_finite() {
                 return Err(cell_error(k, "is not a finite number"));
             }

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::column::{Column, column};
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use super::column::{Column, Meaning, column};
 use super::error::{FileError, read_text};
 use crate::mechanism::Mechanism;
 
@@ -27,15 +29,15 @@ impl Table {
             let found = column(name, mechanism, targets).map_err(problem)?;
             if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
                 return Err(problem(if other.name == *name {
-                    "stands twice in the header".into()
+                    "stands twice in the header; delete or rename one of them".into()
                 } else {
-                    format!("means the same as column '{}'", other.name)
+                    format!("means the same as column '{}'; keep one of them", other.name)
                 }));
             }
             columns.push(found);
         }
         if rows.is_empty() {
-            return Err(FileError::Header { path: path.into(), problem: "there is a header but no data row".into() });
+            return Err(no_data_row(path));
         }
         Ok(Self { path: path.into(), columns, rows })
     }
@@ -58,18 +60,75 @@ impl Table {
         if text.is_empty() {
             return Ok(None);
         }
-        let value: f64 = text.parse().map_err(|_| self.cell_error(row, column, "is not a number"))?;
-        if !value.is_finite() {
-            let advice = "is not a finite number; leave the cell empty if nothing was measured";
-            return Err(self.cell_error(row, column, advice));
-        }
-        Ok(Some(self.columns[column].unit.map_or(value, |u| u.to_si(value))))
+        self.parsed(row, column, "leave the cell empty if nothing was measured").map(Some)
     }
 
     /// The number in a cell that must not be empty.
     pub(super) fn required(&self, row: usize, column: usize) -> Result<f64, FileError> {
-        self.number(row, column)?.ok_or_else(|| self.cell_error(row, column, "must not be empty"))
+        if self.rows[row].1[column].is_empty() {
+            return Err(self.cell_error(row, column, "must not be empty; fill it in or delete the row"));
+        }
+        self.parsed(row, column, "correct it or delete the row")
     }
+
+    fn parsed(&self, row: usize, column: usize, advice: &str) -> Result<f64, FileError> {
+        let text = &self.rows[row].1[column];
+        let error = |problem: &str| self.cell_error(row, column, format!("{problem}; {advice}"));
+        let value: f64 = text.parse().map_err(|_| error("is not a number"))?;
+        let value = self.columns[column].unit.map_or(value, |u| u.to_si(value));
+        if value.is_finite() { Ok(value) } else { Err(error("is not a finite number")) }
+    }
+
+    /// The quaternion in four columns w x y z; `None` if their cells are empty.
+    pub(super) fn quaternion(
+        &self,
+        row: usize,
+        columns: &[usize; 4],
+    ) -> Result<Option<UnitQuaternion<f64>>, FileError> {
+        let mut q = [0.0; 4];
+        let mut filled = 0;
+        for (component, column) in q.iter_mut().zip(columns) {
+            if let Some(v) = self.number(row, *column)? {
+                *component = v;
+                filled += 1;
+            }
+        }
+        match filled {
+            0 => return Ok(None),
+            4 => {}
+            _ => {
+                let problem = "belongs to a quaternion of which only a part is filled; fill all four cells or none";
+                return Err(self.cell_error(row, columns[0], problem));
+            }
+        }
+        let quaternion = Quaternion::new(q[0], q[1], q[2], q[3]);
+        if !((quaternion.norm() - 1.0).abs() <= 1e-3) {
+            let norm = quaternion.norm();
+            let problem = format!("belongs to a quaternion of length {norm:.6}; it must be 1, correct qw, qx, qy, qz");
+            return Err(self.cell_error(row, columns[0], problem));
+        }
+        Ok(Some(UnitQuaternion::from_quaternion(quaternion)))
+    }
+
+    /// The columns of a quaternion w x y z; `None` if there is none.
+    pub(super) fn quaternion_columns(&self) -> Result<Option<[usize; 4]>, FileError> {
+        let find = |k| self.columns.iter().position(|c| c.meaning == Meaning::Quaternion(k));
+        let header = |problem: &str| FileError::Header { path: self.path.clone(), problem: problem.into() };
+        let columns = match [find(0), find(1), find(2), find(3)] {
+            [Some(w), Some(x), Some(y), Some(z)] => [w, x, y, z],
+            [None, None, None, None] => return Ok(None),
+            _ => return Err(header("a quaternion needs all of qw, qx, qy and qz")),
+        };
+        if self.columns.iter().any(|c| matches!(c.meaning, Meaning::Pose(3..))) {
+            return Err(header("has both a quaternion and angles; keep one of them"));
+        }
+        Ok(Some(columns))
+    }
+}
+
+/// The error of a table that ends with its header.
+pub(super) fn no_data_row(path: &Path) -> FileError {
+    FileError::Header { path: path.into(), problem: "there is a header but no data row; add rows below it".into() }
 }
 
 /// Header and rows of a CSV file, with the line of each row.
@@ -94,7 +153,10 @@ pub(super) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<Stri
         rows.push((line, record.iter().map(str::to_owned).collect()));
     }
     if rows.is_empty() {
-        return Err(FileError::Header { path: path.into(), problem: "there is no header line".into() });
+        return Err(FileError::Header {
+            path: path.into(),
+            problem: "there is no header line; the first line names the columns".into(),
+        });
     }
     let (_, header) = rows.remove(0);
     for (row, (line, cells)) in rows.iter().enumerate() {

@@ -7,7 +7,7 @@ pub(super) fn parse_time(text: &str) -> Option<f64> {
     let Some((date, clock)) = text.split_once(['T', ' ']) else { return seconds_of_day(text) };
     let mut parts = date.split('-');
     let (y, m, d) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
-    if parts.next().is_some() || !(1..=12).contains(&m) || !(1..=31).contains(&d) {
+    if parts.next().is_some() || !(0..10_000).contains(&y) || !(1..=12).contains(&m) || !(1..=31).contains(&d) {
         return None;
     }
     let (clock, offset) = split_zone(clock)?;
@@ -22,8 +22,8 @@ fn split_zone(clock: &str) -> Option<(&str, f64)> {
     let (clock, zone) = clock.split_at(at);
     let sign = if zone.starts_with('-') { -1.0 } else { 1.0 };
     let (h, m) = zone[1..].split_once(':')?;
-    let minutes = h.parse::<u32>().ok()? * 60 + m.parse::<u32>().ok()?;
-    Some((clock, sign * 60.0 * f64::from(minutes)))
+    let (h, m): (u32, u32) = (h.parse().ok()?, m.parse().ok()?);
+    (h < 24 && m < 60).then(|| (clock, sign * 60.0 * f64::from(60 * h + m)))
 }
 
 fn seconds_of_day(clock: &str) -> Option<f64> {
@@ -52,7 +52,8 @@ mod tests {
         assert_eq!(parse_time("2024-02-29 12:00:00"), Some(1_709_208_000.0));
         assert_eq!(parse_time("2024-03-01T01:00:00.5+01:00"), Some(1_709_251_200.5));
         assert_eq!(parse_time("23:59:59"), Some(86_399.0));
-        for bad in ["", "noon", "25:00:00", "2024-13-01T00:00:00", "12"] {
+        let far = "9223372036854775807-01-01T00:00:00";
+        for bad in ["", "noon", "25:00:00", "2024-13-01T00:00:00", "12", far, "2024-03-01T01:00+4294967295:00"] {
             assert_eq!(parse_time(bad), None, "{bad}");
         }
     }

@@ -112,7 +112,7 @@ pub fn calibrate(
     let own = found.own_values();
     let held = match &options.holdout {
         Holdout::Data(other) => {
-            let errors = evaluate(calibrated.as_ref(), &own, other)?;
+            let errors = evaluate(calibrated.as_ref(), &own, other).map_err(|e| IdentifyError::HeldOut(Box::new(e)))?;
             Some(HeldOut { rms: errors.rms(), samples: errors.samples.len() })
         }
         holdout => held_out(identifier, &task, holdout, options.seed)?,

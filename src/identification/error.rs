@@ -8,8 +8,8 @@ use crate::solve::SolveError;
 /// Why an identification has no result.
 #[derive(Clone, Debug, Error)]
 pub enum IdentifyError {
-    /// No sample.
-    #[error("the data have no sample")]
+    /// No sample, or none with a reading.
+    #[error("the data have no reading; add rows with a measured pose or targets")]
     Empty,
     /// Too few rows, and no prior to make up for them.
     #[error(
@@ -27,7 +27,7 @@ pub enum IdentifyError {
         needed: usize,
     },
     /// A prior was asked for, and no parameter has a tolerance.
-    #[error("a prior was asked for, but the mechanism has no [tolerance]")]
+    #[error("a prior was asked for, but the mechanism has no [tolerance]; state one, or calibrate without a prior")]
     NoTolerance,
     /// A prior has no meaning with unweighted rows.
     #[error("a prior needs rows that are weighted by the noise; drop `--weights none` or `--prior tolerance`")]
@@ -62,6 +62,9 @@ pub enum IdentifyError {
     /// The identified values are no mechanism.
     #[error("the identified parameters are no mechanism: {0}")]
     Geometry(#[from] GeometryError),
+    /// The data that were set apart to check the result cannot be used.
+    #[error("held-out data: {0}")]
+    HeldOut(Box<IdentifyError>),
     /// An identifier of a consumer failed.
     #[error("{0}")]
     Other(String),

@@ -137,7 +137,7 @@ fn solve(
 /// [`IdentifyError::TooFewRows`] if the data alone cannot determine the parameters and there is no prior.
 pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, IdentifyError> {
     let own = task.data.model().own_parameters().len();
-    if task.data.is_empty() {
+    if task.data.row_count() == 0 {
         return Err(IdentifyError::Empty);
     }
     let unweighted = task.weights == Weights::MillimetresAndRadians;

@@ -7,12 +7,12 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use paracal::files::{CsvTable, Outputs, number};
 use paracal::identification::{
-    Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, LeastSquares, Loss, PriorPolicy, Robust,
-    Weights, calibrate, identifier,
+    Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
+    Robust, Weights, calibrate, identifier,
 };
 use paracal::report::{json, text};
 
-use crate::common::{Ui, verdict};
+use crate::common::{Ui, about, verdict};
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Prior {
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let measurement = ui.measurement(&args.data, &machine)?;
     let holdout = match (&args.holdout, &second) {
         (None, _) => Holdout::Folds(5),
-        (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine)?.data)),
+        (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine).context("--holdout")?.data)),
         (Some(part), None) => match part.parse::<f64>() {
             Ok(part) if part > 0.0 && part < 1.0 => Holdout::Fraction(part),
             _ => bail!("--holdout {part}: a part of the rows lies between 0 and 1, such as 0.2; or name a file"),
@@ -118,7 +118,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let progress = ui.progress(format!("calibrating with {} samples", measurement.data.len()));
     let mechanism = machine.mechanism.as_ref();
     let result = calibrate(mechanism, &measurement.data, machine.workspace.as_ref(), chosen.as_ref(), &options)
-        .with_context(|| args.data.display().to_string())?;
+        .map_err(|error| match (error, &options.holdout, &second) {
+            (IdentifyError::HeldOut(cause), Holdout::Data(held), Some(path)) => about(*cause, &machine, path, held),
+            (error, ..) => about(error, &machine, &args.data, &measurement.data),
+        })?;
     progress.finish_and_clear();
 
     let targets =

@@ -5,9 +5,13 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
+use paracal::conditions::Conditions;
 use paracal::files::{Machine, Measurement, read_measurement};
+use paracal::identification::IdentifyError;
+use paracal::measurement::Dataset;
+use paracal::units::Dimension;
 
 /// Exit code of a wrong input or call.
 const WRONG: u8 = 2;
@@ -34,7 +38,7 @@ impl Ui {
     /// Prints a warning on standard error.
     pub(crate) fn warn(&self, warning: &str) {
         if !self.quiet {
-            eprintln!("warning: {warning}");
+            tell(&format!("warning: {warning}"));
         }
     }
 
@@ -72,6 +76,43 @@ pub(crate) fn verdict(trusted: bool) -> ExitCode {
 
 /// Prints an error.
 pub(crate) fn report_error(error: &anyhow::Error) -> ExitCode {
-    eprintln!("error: {error:#}");
+    tell(&format!("error: {error:#}"));
     ExitCode::from(WRONG)
+}
+
+/// A line on standard error; a reader that closed it wants none.
+fn tell(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// A failed identification or evaluation with the file that it is about.
+pub(crate) fn about(error: IdentifyError, machine: &Machine, path: &Path, data: &Dataset) -> anyhow::Error {
+    match error {
+        IdentifyError::NoTolerance => anyhow!("{}: {error}", machine.path.display()),
+        IdentifyError::PriorWithoutWeights => anyhow!(error),
+        IdentifyError::Sample { row, .. } => {
+            let hint = odd_joint(machine, data, row).map_or_else(String::new, |hint| format!("; {hint}"));
+            anyhow!("{}: {error}{hint}", path.display())
+        }
+        _ => anyhow!("{}: {error}", path.display()),
+    }
+}
+
+/// The joint of a row that is farthest from its place at home.
+fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
+    let mechanism = machine.mechanism.as_ref();
+    let sample = data.iter().find(|s| s.row == row)?;
+    let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
+    let distance = |k: &usize| (sample.joints[*k] - home[*k]).abs();
+    let odd = (0..home.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let spec = &mechanism.joints()[odd];
+    let unit = if spec.dimension == Dimension::Length { machine.length_unit } else { machine.angle_unit };
+    let shown = |v: f64| format!("{:.3} {}", unit.from_si(v), unit.name);
+    Some(format!(
+        "{} is farthest from home with {} (home {}): correct the row or delete it, or check the mechanism file",
+        spec.name,
+        shown(sample.joints[odd]),
+        shown(home[odd])
+    ))
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use paracal::conditions::Conditions;
 use paracal::files::{CsvTable, ListedPose, Machine, Outputs, number, read_poses};
 use serde_json::json;
@@ -36,6 +36,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let joints = mechanism
             .inverse(mechanism.values(), &listed.pose, &at)
             .with_context(|| format!("{}: data row {row}", args.poses.display()))?;
+        if joints.iter().any(|v| !v.is_finite()) {
+            bail!("{}: data row {row}: the pose is too far for any leg; correct the row", args.poses.display());
+        }
         for (spec, value) in mechanism.joints().iter().zip(&joints) {
             if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
                 outside.push(format!(

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use paracal::identification::evaluate;
 use paracal::report::{json, text};
 
-use crate::common::Ui;
+use crate::common::{Ui, about};
 
 /// Arguments of `evaluate`.
 #[derive(clap::Args)]
@@ -26,7 +26,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?;
     let measurement = ui.measurement(&args.data, &machine)?;
     let mechanism = machine.mechanism.as_ref();
-    let errors = evaluate(mechanism, &[], &measurement.data).with_context(|| args.data.display().to_string())?;
+    let errors = evaluate(mechanism, &[], &measurement.data)
+        .map_err(|error| about(error, &machine, &args.data, &measurement.data))?;
     let size = paracal::mechanism::characteristic_length(mechanism);
     if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
         ui.warn("the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it");

@@ -30,8 +30,8 @@ struct Cli {
     #[arg(long, global = true)]
     quiet: bool,
     /// Threads to use; results do not depend on it.
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: Option<u16>,
 }
 
 #[derive(Subcommand)]
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     let ui = Ui { json: cli.json, quiet: cli.quiet };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
     let done = match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),

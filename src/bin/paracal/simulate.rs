@@ -88,8 +88,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     let truth = mechanism.with_values(&values, mechanism.home())?;
     let poses: Vec<Pose> = listed.iter().map(|l| l.pose).collect();
-    let samples = simulate(mechanism, truth.as_ref(), &poses, &machine.convention, &noise, &mut rng)
-        .map_err(|(row, cause)| anyhow!("{}: data row {row}: {cause}", args.poses.display()))?;
+    let samples = simulate(mechanism, truth.as_ref(), &poses, &machine.convention, &noise, &mut rng).map_err(
+        |(row, cause)| {
+            let advice = "take poses nearer to home, or smaller errors";
+            anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
+        },
+    )?;
     warn_outside(ui, mechanism, &samples);
     outputs.add(&args.output, measurement(&machine, &listed, &samples, &noise, args.seed).to_text())?;
     if let Some(path) = &args.truth {

@@ -1,0 +1,356 @@
+//! Whatever a file holds, its reader returns in time, with a value or with an error that names the file.
+#![allow(clippy::unwrap_used, reason = "the helpers beside the tests prepare the files for them")]
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+use paracal::files::{Machine, Measurement, read_measurement, read_parameter_errors, read_poses};
+use proptest::prelude::*;
+use proptest::sample::{Index, select};
+use tempfile::TempDir;
+
+const MECHANISM: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml"));
+const DATA: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/hardpoint-noisy.csv"));
+
+/// Every section that the format knows.
+static RICH_MECHANISM: LazyLock<String> = LazyLock::new(|| {
+    let first =
+        MECHANISM.replacen("length = 800.0", "length = 800.0\nlength_offset = 0.1\nstroke = [400.0, 1200.0]", 1);
+    let head = "rotation_order = \"xyz\"\npivot = [0.0, 0.0, 10.0]\ngravity_axis = \"y\"\n\
+                reference_temperature_degC = 20.0\nshared_anchors = false\n";
+    let tail = "\n[home]\nposition = [0.0, 0.0, 485.696]\nrotation = [0.0, 0.0, 0.0]\n\n[platform]\nmass_kg = 500.0\n\
+                centre_of_mass = [0.0, 0.0, 150.0]\n\n[actuator]\nscrew_pitch = 5.0\n\n[[target]]\nname = \"p1\"\n\
+                platform = [1300.0, 0.0, 80.0]\n\n[[target]]\nname = \"ball\"\n";
+    format!("{head}{first}{tail}")
+});
+
+/// The data with labels, times, temperatures, uncertainties, remarks, and quaternions instead of angles.
+static RICH_DATA: LazyLock<String> = LazyLock::new(|| {
+    let mut text = "# remarks\nid,time_utc,temp_leg1_degC,time_s,sigma_x_mm,note,elevation_deg,\"free\",".to_owned();
+    for (k, line) in DATA.lines().enumerate() {
+        let cells: Vec<&str> = line.split(',').take(9).collect();
+        if k == 0 {
+            text += &format!("{},qw,qx,qy,qz\n", cells.join(","));
+        } else {
+            let clock = format!("2026-03-01T12:{k:02}:00+01:00");
+            text += &format!("r{k},{clock},20.5,{k},0.001,\"well, well\",45,{k}e-3,{},1,0,0,0\n", cells.join(","));
+        }
+    }
+    text
+});
+
+/// Commanded poses, and measured targets.
+const TARGETS: &str = "cmd_x_mm,cmd_y_mm,cmd_z_mm,cmd_rx_deg,p1x_mm,p1y_mm,p1z_mm,ballx_um,bally_um,ballz_um\n\
+                       0,0,475,0,1300,0,555,1e3,2e3,475e3\n10,0,475,1,1310,0,555,,,\n0,-10,480,2,1300,-10,560,1,2,3\n";
+
+const POSES: &str = "id,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\na,0,0,475,0,0,0\nb,10,-10,480,1,2,3\n,1,1,475.5,0,0,5\n";
+
+const ERRORS: &str = "leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm\n1,0.1,0,0,0,0,0,0\n2,0,0.2,0,0,0,0,1e-3\n";
+
+/// One way to spoil a file. Places are taken modulo what there is.
+#[derive(Clone, Debug)]
+enum Damage {
+    DropLine(Index),
+    RepeatLine(Index),
+    SwapLines(Index, Index),
+    DropByte(Index),
+    RepeatByte(Index),
+    SwapBytes(Index, Index),
+    SetByte(Index, u8),
+    Insert(Index, Vec<u8>),
+    ReplaceNumber(Index, String),
+    ReplaceWord(Index, String),
+    CutOff(Index),
+    LineEnds(&'static str),
+}
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let at = any::<Index>;
+    let numbers = vec![
+        "nan",
+        "inf",
+        "-inf",
+        "1e999",
+        "-1e999",
+        "1e308",
+        "-1e300",
+        "1e-320",
+        "-0",
+        "0",
+        "",
+        "-",
+        "1e",
+        "0x1f",
+        "1_000",
+        "９",
+        "1,5",
+        "99999999999999999999999",
+        "true",
+        "[]",
+        "\"1\"",
+        "1979-05-27",
+        "{}",
+        "#",
+        "\"",
+    ];
+    let words =
+        vec!["", "nan", "x", "leg", "leg1", "mm", "deg", "K", "h", "_", "é", "type", "p1x", "qw", "\u{0}", "[["];
+    let blocks = prop_oneof![
+        proptest::collection::vec(any::<u8>(), 1..64),
+        (1_usize..3000).prop_map(|n| [b"x = ".to_vec(), b"[".repeat(n)].concat()),
+        (1_usize..3000).prop_map(|n| [b"\nx = ".to_vec(), b"{a=".repeat(n)].concat()),
+        (1_usize..3000).prop_map(|n| [b"\n[a".to_vec(), b".a".repeat(n), b"]\n".to_vec()].concat()),
+        (1_usize..3000).prop_map(|n| [b"\n".to_vec(), b"a.".repeat(n), b"a = 1\n".to_vec()].concat()),
+        (1_usize..30_000).prop_map(|n| [b"\n".to_vec(), b"1,".repeat(n), b"\n".to_vec()].concat()),
+        (1_usize..100_000).prop_map(|n| b"y".repeat(n)),
+        (1_usize..3000).prop_map(|n| b"\n".repeat(n)),
+        Just(b"\"\"\"".to_vec()),
+        Just("\u{feff}".into()),
+    ];
+    prop_oneof![
+        1 => at().prop_map(Damage::DropLine),
+        1 => at().prop_map(Damage::RepeatLine),
+        1 => (at(), at()).prop_map(|(a, b)| Damage::SwapLines(a, b)),
+        1 => at().prop_map(Damage::DropByte),
+        1 => at().prop_map(Damage::RepeatByte),
+        1 => (at(), at()).prop_map(|(a, b)| Damage::SwapBytes(a, b)),
+        1 => (at(), any::<u8>()).prop_map(|(a, b)| Damage::SetByte(a, b)),
+        1 => (at(), blocks).prop_map(|(a, b)| Damage::Insert(a, b)),
+        4 => (at(), select(numbers)).prop_map(|(a, n)| Damage::ReplaceNumber(a, n.into())),
+        2 => (at(), select(words)).prop_map(|(a, w)| Damage::ReplaceWord(a, w.into())),
+        1 => at().prop_map(Damage::CutOff),
+        1 => select(vec!["\r\n", "\r", "\n\n", ""]).prop_map(Damage::LineEnds),
+    ]
+}
+
+/// A part of a text, by its first byte and the byte after its last.
+type Span = (usize, usize);
+
+/// The runs of bytes that belong to a number or to a word.
+fn spans(text: &[u8], belongs: fn(u8) -> bool) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    for (k, _) in text.iter().enumerate().filter(|(_, b)| belongs(**b)) {
+        match spans.last_mut().filter(|(_, end)| *end == k) {
+            Some((_, end)) => *end = k + 1,
+            None => spans.push((k, k + 1)),
+        }
+    }
+    spans
+}
+
+fn with_lines(text: &[u8], change: impl FnOnce(&mut Vec<Vec<u8>>)) -> Vec<u8> {
+    let mut lines: Vec<Vec<u8>> = text.split(|b| *b == b'\n').map(<[u8]>::to_vec).collect();
+    change(&mut lines);
+    lines.join(&b'\n')
+}
+
+fn replace_span(mut text: Vec<u8>, at: &Index, belongs: fn(u8) -> bool, with: &str) -> Vec<u8> {
+    let spans = spans(&text, belongs);
+    if !spans.is_empty() {
+        let (from, to) = spans[at.index(spans.len())];
+        text.splice(from..to, with.bytes());
+    }
+    text
+}
+
+fn damaged(mut text: Vec<u8>, damage: &Damage) -> Vec<u8> {
+    if text.is_empty() {
+        return text;
+    }
+    let n = text.len();
+    match damage {
+        Damage::DropLine(a) => with_lines(&text, |l| drop(l.remove(a.index(l.len())))),
+        Damage::RepeatLine(a) => with_lines(&text, |l| l.insert(a.index(l.len()), l[a.index(l.len())].clone())),
+        Damage::SwapLines(a, b) => with_lines(&text, |l| {
+            let (a, b) = (a.index(l.len()), b.index(l.len()));
+            l.swap(a, b);
+        }),
+        Damage::DropByte(a) => {
+            text.remove(a.index(n));
+            text
+        }
+        Damage::RepeatByte(a) => {
+            text.insert(a.index(n), text[a.index(n)]);
+            text
+        }
+        Damage::SwapBytes(a, b) => {
+            text.swap(a.index(n), b.index(n));
+            text
+        }
+        Damage::SetByte(a, b) => {
+            text[a.index(n)] = *b;
+            text
+        }
+        Damage::Insert(a, block) => {
+            let at = a.index(n);
+            text.splice(at..at, block.iter().copied());
+            text
+        }
+        Damage::ReplaceNumber(a, with) => replace_span(text, a, |b| matches!(b, b'0'..=b'9' | b'.' | b'-'), with),
+        Damage::ReplaceWord(a, with) => replace_span(text, a, |b| b.is_ascii_alphanumeric(), with),
+        Damage::CutOff(a) => {
+            text.truncate(a.index(n));
+            text
+        }
+        Damage::LineEnds(with) => {
+            text.split(|b| *b == b'\n').map(<[u8]>::to_vec).collect::<Vec<_>>().join(with.as_bytes())
+        }
+    }
+}
+
+/// One of the good texts with a few damages.
+fn bad_text(good: Vec<&'static str>) -> impl Strategy<Value = Vec<u8>> {
+    (select(good), proptest::collection::vec(damage(), 1..4))
+        .prop_map(|(good, damages)| damages.iter().fold(good.as_bytes().to_vec(), damaged))
+}
+
+/// Runs a reader in a thread of its own and fails if it panics or takes too long.
+fn in_time<T: Send + 'static>(read: impl FnOnce() -> T + Send + 'static) -> Result<T, TestCaseError> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || sender.send(read()));
+    receiver.recv_timeout(Duration::from_secs(20)).map_err(|e| TestCaseError::fail(format!("panic or hang: {e}")))
+}
+
+/// A file with this content in a folder of its own.
+fn file(name: &str, content: &[u8]) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).unwrap();
+    (folder, path)
+}
+
+/// An error names its file and gives a reason.
+fn check_message(error: &impl std::fmt::Display, path: &Path) -> Result<(), TestCaseError> {
+    let message = error.to_string();
+    let rest = message.strip_prefix(&path.display().to_string());
+    prop_assert!(rest.is_some_and(|r| r.len() > 10), "{message}");
+    Ok(())
+}
+
+static MACHINE: LazyLock<Machine> =
+    LazyLock::new(|| Machine::from_text(&RICH_MECHANISM, Path::new("rich.toml")).unwrap());
+
+fn measurement(path: PathBuf) -> Result<Measurement, paracal::files::FileError> {
+    read_measurement(path, &MACHINE)
+}
+
+#[test]
+fn the_texts_are_good_before_they_are_spoilt() {
+    Machine::from_text(MECHANISM, Path::new("plain.toml")).unwrap();
+    assert_eq!(MACHINE.targets.len(), 2);
+    for text in [DATA, &RICH_DATA, TARGETS] {
+        let (_folder, path) = file("d.csv", text.as_bytes());
+        measurement(path).unwrap();
+    }
+    let (_folder, path) = file("p.csv", POSES.as_bytes());
+    assert_eq!(read_poses(path, &MACHINE).unwrap().len(), 3);
+    let (_folder, path) = file("e.csv", ERRORS.as_bytes());
+    read_parameter_errors(path, MACHINE.mechanism.as_ref()).unwrap();
+}
+
+#[test]
+fn very_deep_and_very_large_mechanism_files() {
+    let path = Path::new("deep.toml");
+    for n in [1_000, 200_000] {
+        for text in [
+            format!("x = {}", "[".repeat(n)),
+            format!("x = {}{}", "[".repeat(n), "]".repeat(n)),
+            format!("x = {}", "{a=".repeat(n)),
+            format!("[a{}]", ".a".repeat(n)),
+            format!("a{} = 1", ".a".repeat(n)),
+            format!("name = \"{}\"", "y".repeat(n)),
+            format!("name = {}", "'".repeat(n)),
+            "[[leg]]\n".repeat(n.min(20_000)),
+            "\u{0}".repeat(n),
+        ] {
+            let read = in_time(move || Machine::from_text(&text, path)).unwrap();
+            check_message(&read.unwrap_err(), path).unwrap();
+        }
+    }
+}
+
+#[test]
+fn very_large_tables() {
+    let row = |n: usize| format!("{}1\n", "1,".repeat(n));
+    for text in [
+        format!("{DATA}{}", row(1_000_000)),
+        format!("a\n{}", "1\n".repeat(200_000)),
+        format!("{}\n", "\"".repeat(1_000_001)),
+        format!("{DATA}{}\n", "9".repeat(1_000_000)),
+        format!("#{}\n", "y".repeat(1_000_000)),
+        "\u{0}".repeat(1_000_000),
+    ] {
+        let (_folder, path) = file("large.csv", text.as_bytes());
+        let named = path.clone();
+        let read = in_time(move || measurement(path)).unwrap();
+        check_message(&read.unwrap_err(), &named).unwrap();
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// What is accepted can also be written and read again.
+    #[test]
+    fn mechanism_files(text in bad_text(vec![MECHANISM, &RICH_MECHANISM])) {
+        let path = Path::new("bad.toml");
+        let text = String::from_utf8_lossy(&text).into_owned();
+        match in_time(move || Machine::from_text(&text, path))? {
+            Err(error) => check_message(&error, path)?,
+            Ok(machine) => {
+                let written = machine.document_of(machine.mechanism.as_ref(), machine.workspace.as_ref(), &[]);
+                let written = written.unwrap().to_text();
+                let again = Machine::from_text(&written, path);
+                prop_assert!(again.is_ok(), "{}\n{written}", again.unwrap_err());
+            }
+        }
+    }
+
+    #[test]
+    fn mechanism_files_of_any_bytes(text in bad_text(vec![MECHANISM, &RICH_MECHANISM])) {
+        let (_folder, path) = file("bad.toml", &text);
+        let named = path.clone();
+        if let Err(error) = in_time(move || Machine::read(path))? {
+            check_message(&error, &named)?;
+        }
+    }
+
+    /// What is accepted holds finite lengths, one set for each reading.
+    #[test]
+    fn measurement_files(text in bad_text(vec![DATA, &RICH_DATA, TARGETS])) {
+        let (_folder, path) = file("bad.csv", &text);
+        let named = path.clone();
+        match in_time(move || measurement(path))? {
+            Err(error) => check_message(&error, &named)?,
+            Ok(read) => {
+                prop_assert!(read.data.row_count() > 0);
+                for sample in read.data.iter() {
+                    prop_assert!(sample.joints.len() == 6 && sample.joints.iter().all(|v| v.is_finite()));
+                    prop_assert!(sample.conditions.covariates.values().all(|v| v.is_finite()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pose_lists(text in bad_text(vec![POSES, DATA, &RICH_DATA])) {
+        let (_folder, path) = file("bad.csv", &text);
+        let named = path.clone();
+        match in_time(move || read_poses(path, &MACHINE))? {
+            Err(error) => check_message(&error, &named)?,
+            Ok(poses) => prop_assert!(poses.iter().all(|p| p.pose.is_finite())),
+        }
+    }
+
+    #[test]
+    fn parameter_errors(text in bad_text(vec![ERRORS])) {
+        let (_folder, path) = file("bad.csv", &text);
+        let named = path.clone();
+        match in_time(move || read_parameter_errors(path, MACHINE.mechanism.as_ref()))? {
+            Err(error) => check_message(&error, &named)?,
+            Ok(errors) => prop_assert!(errors.iter().all(|e| e.is_finite())),
+        }
+    }
+}
