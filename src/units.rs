@@ -187,6 +187,14 @@ pub fn three_digits(value: f64) -> String {
     }
 }
 
+/// A list that fits a line: the first eight, and how many more.
+pub fn shortened(items: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let more = items.len().saturating_sub(SHOWN);
+    let shown = items[..items.len().min(SHOWN)].join(", ");
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

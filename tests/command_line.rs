@@ -228,3 +228,66 @@ fn argmins_solver_can_be_chosen() {
         assert!((number(a, &["value"]) - number(b, &["value"])).abs() < 1e-9, "{a} {b}");
     }
 }
+
+#[test]
+fn commanded_poses_become_lengths_by_the_nominal_geometry_also_in_a_calibrated_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, noisy) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-noisy.csv"));
+    // The poses that the nominal mechanism was commanded to take, found by its forward kinematics.
+    let m = common::machine("table5");
+    let data = common::data("hardpoint-noisy", &m).data;
+    let at = paracal::conditions::Conditions::unknown();
+    let mut text =
+        String::from("cmd_x_m,cmd_y_m,cmd_z_m,cmd_rx_rad,cmd_ry_rad,cmd_rz_rad,x_m,y_m,z_m,rx_rad,ry_rad,rz_rad\n");
+    for k in 0..data.len() {
+        let mechanism = m.mechanism.as_ref();
+        let commanded = mechanism.forward(mechanism.values(), &data.sample(k).joints, &at, &mechanism.home()).unwrap();
+        let measured = data.model().rigid_pose(k).unwrap();
+        let cells = commanded.coordinates().into_iter().chain(measured.coordinates());
+        text += &(cells.map(|v| format!("{v:.15}")).collect::<Vec<_>>().join(",") + "\n");
+    }
+    std::fs::write(folder.path().join("cmd.csv"), text).unwrap();
+    let by_pose = json(folder.path(), &["calibrate", &table5, "cmd.csv", "-o", "c.toml"]);
+    let by_length = json(folder.path(), &["calibrate", &table5, &noisy, "-o", "c2.toml"]);
+    let rms = number(&by_length, &["rms_after", "position_m"]);
+    assert!((number(&by_pose, &["rms_after", "position_m"]) - rms).abs() < 1e-11);
+    for file in ["cmd.csv", &noisy] {
+        let errors = json(folder.path(), &["evaluate", "c.toml", file]);
+        assert!((number(&errors, &["rms", "position_m"]) - rms).abs() < 1e-11, "{file}");
+    }
+}
+
+#[test]
+fn a_calibrated_file_calibrates_again_and_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, noisy) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-noisy.csv"));
+    let first = json(folder.path(), &["calibrate", &table5, &noisy, "-o", "a.toml"]);
+    let second = json(folder.path(), &["calibrate", "a.toml", &noisy, "-o", "b.toml"]);
+    for (a, b) in first["parameters"].as_array().unwrap().iter().zip(second["parameters"].as_array().unwrap()) {
+        assert!((number(a, &["value"]) - number(b, &["value"])).abs() < 1e-11, "{a} {b}");
+    }
+    let h2 = &second["parameters"].as_array().unwrap()[10];
+    assert!(h2["name"] == "h2" && (number(h2, &["nominal"]) - 0.8).abs() < 1e-15, "{h2}");
+    assert!(
+        (number(&second, &["rms_before", "position_m"]) - number(&first, &["rms_after", "position_m"])).abs() < 1e-12
+    );
+}
+
+#[test]
+fn columns_that_only_look_like_coordinates_are_covariates_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let text = common::text("examples/data/hardpoint-noisy.csv");
+    let with = |column: &str| {
+        let mut lines = text.lines();
+        let mut changed = format!("{},{column}\n", lines.next().unwrap());
+        lines.for_each(|l| changed += &format!("{l},1.5\n"));
+        std::fs::write(folder.path().join("d.csv"), changed).unwrap();
+        paracal(folder.path(), &["calibrate", &table5, "d.csv", "-o", "c.toml"])
+    };
+    assert!(with("leg1_load").status.success());
+    assert!(with("pressure").status.success());
+    let capital = with("Sigma_x_mm");
+    assert_eq!(capital.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&capital.stderr).contains("did you mean 'sigma_x_mm'"));
+}

@@ -45,7 +45,12 @@ pub(super) fn pose_dimension(k: usize) -> Dimension {
 ///
 /// # Errors
 /// What is wrong with the name, and what to do.
-pub(super) fn column(name: &str, mechanism: &dyn Mechanism, targets: &[String]) -> Result<Column, String> {
+pub(super) fn column(
+    name: &str,
+    header: &[String],
+    mechanism: &dyn Mechanism,
+    targets: &[String],
+) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
         Some((base, suffix)) => match Unit::named(suffix) {
             Some(unit) => (base, Some(unit)),
@@ -68,9 +73,12 @@ pub(super) fn column(name: &str, mechanism: &dyn Mechanism, targets: &[String]) 
     if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
         return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None });
     }
-    // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate.
+    // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
+    // `leg1_mm`, though, `leg1_load` is one.
     let stem = name.rsplit_once('_').map_or(name, |(stem, _)| stem);
-    for candidate in [base, stem] {
+    let proper = |h: &String| h.rsplit_once('_').is_some_and(|(s, unit)| s == stem && Unit::named(unit).is_some());
+    let meant = if header.iter().any(proper) { base } else { stem };
+    for candidate in [base, meant] {
         if let Some(k) = joint(candidate, mechanism.joints()) {
             return with(Meaning::Joint(k), mechanism.joints()[k].dimension);
         }
@@ -93,6 +101,14 @@ pub(super) fn column(name: &str, mechanism: &dyn Mechanism, targets: &[String]) 
     if leg_number(base).is_some() {
         let legs = mechanism.joints().len();
         return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
+    }
+    if base.contains(|c: char| c.is_ascii_uppercase()) {
+        // Capitals would turn a measured coordinate into a covariate without a word.
+        let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
+        let known = column(&small, &[], mechanism, targets);
+        if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
+            return Err(format!("names are written in small letters; did you mean '{small}'?"));
+        }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit })
 }

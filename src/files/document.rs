@@ -84,6 +84,13 @@ pub struct LegEntry {
     pub length_offset: f64,
     /// Allowed lengths.
     pub stroke: Option<[f64; 2]>,
+    /// In a calibrated file: the platform point by which the controller turns commanded poses into lengths.
+    pub nominal_platform: Option<[f64; 3]>,
+    /// In a calibrated file: the base point of the same.
+    pub nominal_base: Option<[f64; 3]>,
+    /// In a calibrated file: the length offset of the same.
+    #[serde(default)]
+    pub nominal_length_offset: f64,
 }
 
 /// `[home]`.
@@ -191,6 +198,11 @@ impl MechanismDocument {
             }
             if let Some(stroke) = leg.stroke {
                 text += &format!("stroke = {}\n", list(&stroke));
+            }
+            text += &leg.nominal_platform.map_or(String::new(), |v| format!("nominal_platform = {}\n", list(&v)));
+            text += &leg.nominal_base.map_or(String::new(), |v| format!("nominal_base = {}\n", list(&v)));
+            if leg.nominal_length_offset != 0.0 {
+                text += &format!("nominal_length_offset = {}\n", number(leg.nominal_length_offset));
             }
         }
         if let Some(s) = &self.home {

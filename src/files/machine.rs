@@ -23,6 +23,9 @@ pub struct Machine {
     pub path: PathBuf,
     /// The mechanism.
     pub mechanism: Box<dyn Mechanism>,
+    /// The geometry by which the controller turns commanded poses into lengths, if that is another: a calibrated
+    /// file keeps the nominal points.
+    nominal: Option<Box<dyn Mechanism>>,
     /// How its file and its data write poses.
     pub convention: PoseConvention,
     /// The workspace, if it is stated.
@@ -127,6 +130,11 @@ impl Machine {
         build(&reader, document)
     }
 
+    /// The mechanism by which the controller turns commanded poses into joints.
+    pub fn commander(&self) -> &dyn Mechanism {
+        self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())
+    }
+
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
     /// whose places were identified. Sections that do not change are kept.
     ///
@@ -154,10 +162,21 @@ impl Machine {
             length: length(l.length),
             length_offset: length(l.length_offset),
             stroke: l.stroke.map(|s| s.map(length)),
+            nominal_platform: None,
+            nominal_base: None,
+            nominal_length_offset: 0.0,
         };
         let six = |q: [f64; 6]| ([length(q[0]), length(q[1]), length(q[2])], [angle(q[3]), angle(q[4]), angle(q[5])]);
         let mut document = self.document.clone();
-        document.legs = legs.iter().map(entry).collect();
+        for (l, kept) in legs.iter().zip(&mut document.legs) {
+            let offset = if kept.nominal_base.is_some() { kept.nominal_length_offset } else { kept.length_offset };
+            *kept = LegEntry {
+                nominal_platform: kept.nominal_platform.or(Some(kept.platform)),
+                nominal_base: kept.nominal_base.or(Some(kept.base)),
+                nominal_length_offset: offset,
+                ..entry(l)
+            };
+        }
         let (position, rotation) = six(self.convention.coordinates(&mechanism.home()));
         document.home = Some(HomeSection { position, rotation });
         if let Some(w) = workspace {
@@ -173,6 +192,39 @@ impl Machine {
     }
 }
 
+/// The legs, and those by which the controller turns poses into lengths if the file keeps them apart.
+fn read_legs(r: &Reader<'_>, entries: &[LegEntry]) -> Result<(Vec<Leg>, Vec<Leg>), FileError> {
+    let (mut legs, mut nominal) = (Vec::with_capacity(entries.len()), Vec::new());
+    for (i, l) in entries.iter().enumerate() {
+        let place = |key: &str| format!("leg {}, `{key}`", i + 1);
+        let offset = |key: &str, v: f64| Ok(r.length.to_si(r.finite(&place(key), v)?));
+        let leg = Leg {
+            platform: r.point(&place("platform"), &l.platform)?,
+            base: r.point(&place("base"), &l.base)?,
+            length: r.length.to_si(r.positive(&place("length"), l.length)?),
+            length_offset: offset("length_offset", l.length_offset)?,
+            stroke: l.stroke.map(|s| stroke(r, &place("stroke"), s)).transpose()?,
+        };
+        match (&l.nominal_platform, &l.nominal_base) {
+            (Some(platform), Some(base)) => nominal.push(Leg {
+                platform: r.point(&place("nominal_platform"), platform)?,
+                base: r.point(&place("nominal_base"), base)?,
+                length_offset: offset("nominal_length_offset", l.nominal_length_offset)?,
+                ..leg.clone()
+            }),
+            (None, None) => {}
+            _ => return Err(r.value(place("nominal_platform"), "and `nominal_base` belong together; state both")),
+        }
+        legs.push(leg);
+    }
+    if !nominal.is_empty() && nominal.len() != legs.len() {
+        return Err(
+            r.value("[[leg]]", "some legs have `nominal_platform` and `nominal_base`; state them for all or none")
+        );
+    }
+    Ok((legs, nominal))
+}
+
 fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
     let path = r.path;
     if document.kind != SIX_HARDPOINT {
@@ -185,17 +237,7 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
         ));
     }
     let geometry = |cause| FileError::Geometry { path: path.into(), cause };
-    let mut legs = Vec::with_capacity(6);
-    for (i, l) in document.legs.iter().enumerate() {
-        let place = |key: &str| format!("leg {}, `{key}`", i + 1);
-        legs.push(Leg {
-            platform: r.point(&place("platform"), &l.platform)?,
-            base: r.point(&place("base"), &l.base)?,
-            length: r.length.to_si(r.positive(&place("length"), l.length)?),
-            length_offset: r.length.to_si(r.finite(&place("length_offset"), l.length_offset)?),
-            stroke: l.stroke.map(|s| stroke(r, &place("stroke"), s)).transpose()?,
-        });
-    }
+    let (legs, nominal_legs) = read_legs(r, &document.legs)?;
     if legs.len() != 6 {
         return Err(geometry(GeometryError::LegCount { found: legs.len() }));
     }
@@ -215,6 +257,10 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
     };
     let mechanism =
         SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
+    let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
+        0 => None,
+        _ => Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, None, None).map_err(geometry)?)),
+    };
     let workspace = match &document.workspace {
         None => None,
         Some(w) => {
@@ -248,6 +294,7 @@ fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileErr
     Ok(Machine {
         path: path.into(),
         mechanism: Box::new(mechanism),
+        nominal,
         convention,
         workspace,
         noise,

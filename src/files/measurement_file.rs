@@ -92,14 +92,16 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
     let mut first_time = None;
     for row in 0..table.rows.len() {
         let values: Vec<f64> = if from_pose {
-            let mut q = [0.0; 6];
+            // A coordinate that is not commanded stays at home.
+            let commander = machine.commander();
+            let mut q = machine.convention.coordinates(&commander.home());
             for (k, column) in commanded.iter().enumerate() {
                 if let Some(column) = column {
                     q[k] = table.required(row, *column)?;
                 }
             }
             let pose = machine.convention.pose(&q);
-            let lengths = mechanism.inverse(mechanism.values(), &pose, &at);
+            let lengths = commander.inverse(commander.values(), &pose, &at);
             let failed = |cause| FileError::Kinematics { path: table.path.clone(), row, cause };
             let lengths = lengths.map_err(failed)?;
             if lengths.iter().any(|v| !v.is_finite()) {

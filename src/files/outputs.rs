@@ -91,14 +91,17 @@ impl Outputs {
 
     fn stage(&self, staged: &mut Vec<(PathBuf, PathBuf)>) -> Result<(), FileError> {
         let regular = |path: &Path| fs::metadata(path).map_or(true, |m| m.is_file());
-        for (path, bytes) in self.files.iter().filter(|(p, _)| regular(p)) {
+        for (k, (path, bytes)) in self.files.iter().enumerate().filter(|(_, (p, _))| regular(p)) {
             // A link is followed, so that the file behind it is replaced and not the link.
             let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-            let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            let temporary = folder_of(&path).join(format!(".{name}.{}.part", std::process::id()));
+            let temporary = folder_of(&path).join(format!(".paracal-{}-{k}.part", std::process::id()));
             staged.push((temporary.clone(), path.clone()));
             let written = File::create(&temporary).and_then(|mut f| {
                 f.write_all(bytes)?;
+                // A file that is replaced keeps its mode.
+                if let Ok(old) = fs::metadata(&path) {
+                    f.set_permissions(old.permissions())?;
+                }
                 f.sync_all()
             });
             written.map_err(|cause| write_error(&path, cause))?;

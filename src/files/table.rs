@@ -26,7 +26,7 @@ impl Table {
             if name.is_empty() {
                 return Err(problem("has no name".into()));
             }
-            let found = column(name, mechanism, targets).map_err(problem)?;
+            let found = column(name, &header, mechanism, targets).map_err(problem)?;
             if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
                 return Err(problem(if other.name == *name {
                     "stands twice in the header; delete or rename one of them".into()

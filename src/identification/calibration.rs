@@ -15,6 +15,7 @@ use super::{
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Body, Mechanism, Workspace};
 use crate::pose::{Pose, PoseConvention};
+use crate::units::shortened;
 
 /// What is asked of a calibration.
 #[derive(Clone, Debug)]
@@ -134,7 +135,7 @@ pub fn calibrate(
         converged,
         registration,
     };
-    Ok(with_warnings(result, data))
+    Ok(with_warnings(result, data, &options.holdout))
 }
 
 fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, converged: bool) -> Verdict {
@@ -173,8 +174,11 @@ fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, conv
     Verdict { trusted: reasons.is_empty(), reasons, warnings }
 }
 
-fn with_warnings(mut result: Calibration, data: &Dataset) -> Calibration {
+fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
+    if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
+        warnings.push("no errors on held-out rows: too few would be left to fit".into());
+    }
     if result.registration.applied {
         warnings.push(
             "the data are in a frame of their own; the calibrated model is in the frames of the measurement \
@@ -200,14 +204,6 @@ fn with_warnings(mut result: Calibration, data: &Dataset) -> Calibration {
         ));
     }
     result
-}
-
-/// A list that fits a line.
-fn shortened(items: &[String]) -> String {
-    const SHOWN: usize = 8;
-    let more = items.len().saturating_sub(SHOWN);
-    let shown = items[..items.len().min(SHOWN)].join(", ");
-    if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
 /// Parameters and covariance in the frames of the measurement: $b' = B\,b$, $a' = A^{-1} a$.

@@ -1,12 +1,15 @@
 //! Identification that gross errors cannot pull away.
 
+use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 
 use super::identifiers::choose_prior;
 use super::problem::{CalibrationProblem, Weights};
 use super::result::linearized;
 use super::{Identification, Identifier, IdentifyError, Task};
-use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, least_squares};
+use crate::solve::{
+    IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
+};
 
 /// How much a sample counts, by its whitened length $d$ over the scale.
 ///
@@ -119,8 +122,11 @@ impl Identifier for Robust {
                 let mut problem = CalibrationProblem::new(task, prior, scale)?;
                 problem.weigh_samples(&weights);
                 let start = x.take().unwrap_or_else(|| problem.start());
-                let method = LeastSquaresMethod::LevenbergMarquardt;
-                let solution = least_squares(&mut problem, start, method, &self.options)?;
+                // A round that runs out of iterations still moves on; only the last one has to converge.
+                let solution = match self.minimise(&mut problem, start) {
+                    Err(SolveError::NoConvergence { last, .. }) => *last,
+                    other => other?,
+                };
                 history.extend_from_slice(&solution.history);
                 let rows = problem.sample_rows();
                 problem.weigh_samples(&vec![1.0; task.data.len()]);
@@ -147,19 +153,33 @@ impl Identifier for Robust {
 }
 
 impl Robust {
+    fn minimise(
+        &self,
+        problem: &mut CalibrationProblem<'_>,
+        start: DVector<f64>,
+    ) -> Result<LeastSquaresSolution, SolveError> {
+        least_squares(problem, start, LeastSquaresMethod::LevenbergMarquardt, &self.options)
+    }
+
     fn finish(
         &self,
         task: &Task<'_>,
-        x: Option<nalgebra::DVector<f64>>,
+        x: Option<DVector<f64>>,
         weights: &[f64],
         scale: f64,
-        history: Vec<crate::solve::IterationRecord>,
+        history: Vec<IterationRecord>,
     ) -> Result<Identification, IdentifyError> {
         let prior = choose_prior(task, scale)?;
         let mut problem = CalibrationProblem::new(task, prior, scale)?;
         problem.weigh_samples(weights);
         let start = x.unwrap_or_else(|| problem.start());
-        let solution = least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &self.options)?;
+        let (solution, failure) = match self.minimise(&mut problem, start) {
+            Ok(solution) => (solution, None),
+            Err(SolveError::NoConvergence { iterations, cost, step, last }) => {
+                (*last.clone(), Some(SolveError::NoConvergence { iterations, cost, step, last }))
+            }
+            Err(cause) => return Err(cause.into()),
+        };
         let rows = problem.sample_rows();
         problem.weigh_samples(&vec![1.0; task.data.len()]);
         let (residual, _) = linearized(&mut problem, &solution.x)?;
@@ -172,7 +192,10 @@ impl Robust {
         problem.weigh_samples(weights);
         let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), outliers)?;
         found.history = history;
-        Ok(found)
+        match failure {
+            None => Ok(found),
+            Some(cause) => Err(IdentifyError::NotConverged { cause, last: Box::new(found) }),
+        }
     }
 }
 

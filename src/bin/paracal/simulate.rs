@@ -9,7 +9,7 @@ use paracal::measurement::Noise;
 use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
 use paracal::simulation::{SimulatedSample, draw_parameters, simulate};
-use paracal::units::{Dimension, parse_quantity, show_angle, show_length};
+use paracal::units::{Dimension, parse_quantity, shortened, show_angle, show_length};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
@@ -118,9 +118,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 }
 
 fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {
-    let count = samples.iter().filter(|s| !mechanism.within_strokes(&s.joints)).count();
-    if count > 0 {
-        ui.warn(&format!("{count} of {} poses need joints outside their stroke", samples.len()));
+    let outside = samples.iter().enumerate().filter(|(_, s)| !mechanism.within_strokes(&s.joints));
+    let rows: Vec<String> = outside.map(|(row, _)| row.to_string()).collect();
+    if !rows.is_empty() {
+        ui.warn(&format!("joints outside their stroke in data row {}", shortened(&rows)));
     }
 }
 
