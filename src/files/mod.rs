@@ -12,6 +12,7 @@ mod document;
 mod error;
 mod machine;
 mod measurement_file;
+mod mechanism_reader;
 mod outputs;
 mod pose_file;
 mod table;

@@ -1,0 +1,247 @@
+//! From the words of a mechanism file to a [`Machine`]: units, ranges, and what does not fit together.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::document::{LegEntry, MechanismDocument};
+use super::error::FileError;
+use super::machine::{Machine, SIX_HARDPOINT};
+use super::writer::number;
+use crate::measurement::{Noise, TargetPoint};
+use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
+use crate::pose::PoseConvention;
+use crate::units::Unit;
+
+/// Reads numbers of one file into SI and names what is wrong with them.
+pub(super) struct Reader<'a> {
+    pub(super) path: &'a Path,
+    pub(super) length: Unit,
+    pub(super) angle: Unit,
+}
+
+impl Reader<'_> {
+    fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
+        FileError::Value { path: self.path.into(), place: place.into(), problem: problem.into() }
+    }
+
+    fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        if v.is_finite() {
+            Ok(v)
+        } else {
+            Err(self.value(place, format!("{v} is not a finite number; write a number")))
+        }
+    }
+
+    fn not_negative(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        if v < 0.0 { Err(self.value(place, format!("must not be negative, found {v}"))) } else { Ok(v) }
+    }
+
+    fn positive(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        if v <= 0.0 { Err(self.value(place, format!("must be positive, found {v}"))) } else { Ok(v) }
+    }
+
+    /// A number of a section that may be left out.
+    fn known(&self, place: &str, v: f64) -> Result<f64, FileError> {
+        self.finite(place, v)?;
+        let problem = || format!("must be positive, found {v}; leave the section out if it is not known");
+        if v <= 0.0 { Err(self.value(place, problem())) } else { Ok(v) }
+    }
+
+    fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
+        for v in p {
+            self.finite(place, *v)?;
+        }
+        Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
+    }
+
+    fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
+        let p = self.point(place, position)?;
+        for v in rotation {
+            self.finite(place, *v)?;
+        }
+        let r = rotation.map(|v| self.angle.to_si(v));
+        Ok([p.x, p.y, p.z, r[0], r[1], r[2]])
+    }
+}
+
+/// The legs, and those by which the controller turns poses into lengths if the file keeps them apart.
+fn read_legs(r: &Reader<'_>, entries: &[LegEntry]) -> Result<(Vec<Leg>, Vec<Leg>), FileError> {
+    let (mut legs, mut nominal) = (Vec::with_capacity(entries.len()), Vec::new());
+    for (i, l) in entries.iter().enumerate() {
+        let place = |key: &str| format!("leg {}, `{key}`", i + 1);
+        let offset = |key: &str, v: f64| Ok(r.length.to_si(r.finite(&place(key), v)?));
+        let leg = Leg {
+            platform: r.point(&place("platform"), &l.platform)?,
+            base: r.point(&place("base"), &l.base)?,
+            length: r.length.to_si(r.positive(&place("length"), l.length)?),
+            length_offset: offset("length_offset", l.length_offset)?,
+            stroke: l.stroke.map(|s| stroke(r, &place("stroke"), s)).transpose()?,
+        };
+        match (&l.nominal_platform, &l.nominal_base) {
+            (Some(platform), Some(base)) => nominal.push(Leg {
+                platform: r.point(&place("nominal_platform"), platform)?,
+                base: r.point(&place("nominal_base"), base)?,
+                length_offset: offset("nominal_length_offset", l.nominal_length_offset)?,
+                ..leg.clone()
+            }),
+            (None, None) => {}
+            _ => return Err(r.value(place("nominal_platform"), "and `nominal_base` belong together; state both")),
+        }
+        legs.push(leg);
+    }
+    if !nominal.is_empty() && nominal.len() != legs.len() {
+        return Err(
+            r.value("[[leg]]", "some legs have `nominal_platform` and `nominal_base`; state them for all or none")
+        );
+    }
+    Ok((legs, nominal))
+}
+
+/// Builds the machine of a document.
+pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
+    let path = r.path;
+    if document.kind != SIX_HARDPOINT {
+        return Err(r.value("type", format!("'{}' is not a kind of mechanism; use \"{SIX_HARDPOINT}\"", document.kind)));
+    }
+    if !document.effects.is_empty() {
+        return Err(r.value(
+            "[[effect]]",
+            "this version cannot use effects and would command without them; use the file without the section",
+        ));
+    }
+    let geometry = |cause| FileError::Geometry { path: path.into(), cause };
+    let (legs, nominal_legs) = read_legs(r, &document.legs)?;
+    if legs.len() != 6 {
+        return Err(geometry(GeometryError::LegCount { found: legs.len() }));
+    }
+    if !document.shared_anchors {
+        check_distinct_anchors(&legs).map_err(|cause| equal_anchors(r, cause))?;
+    }
+    let pivot = r.point("pivot", &document.pivot)?;
+    let convention = PoseConvention { order: document.rotation_order, pivot };
+    let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
+    let tolerance = match &document.tolerance {
+        None => None,
+        Some(t) => {
+            let anchor = r.length.to_si(r.known("[tolerance] anchor", t.anchor)?);
+            let length = t.length.map(|v| r.known("[tolerance] length", v)).transpose()?;
+            Some((anchor, length.map_or(anchor, |v| r.length.to_si(v))))
+        }
+    };
+    let mechanism =
+        SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
+    let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
+        0 => None,
+        _ => Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, None, None).map_err(geometry)?)),
+    };
+    let workspace = match &document.workspace {
+        None => None,
+        Some(w) => {
+            for v in w.position.iter().chain(&w.rotation) {
+                r.not_negative("[workspace]", *v)?;
+            }
+            let half = r.six("[workspace]", &w.position, &w.rotation)?;
+            Some(Workspace { convention, centre: convention.coordinates(&mechanism.home()), half })
+        }
+    };
+    let noise = match &document.noise {
+        None => None,
+        Some(n) => Some(Noise {
+            position: r.length.to_si(r.known("[noise] position", n.position)?),
+            rotation: r.angle.to_si(r.known("[noise] rotation", n.rotation)?),
+            joint: r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
+            known: true,
+        }),
+    };
+    let mut targets = Vec::new();
+    for t in &document.targets {
+        let place = format!("[[target]] '{}'", t.name);
+        if targets.iter().any(|k: &TargetPoint| k.name == t.name) {
+            return Err(r.value(place, "is stated twice; give each target a name of its own"));
+        }
+        let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
+        targets.push(TargetPoint { name: t.name.clone(), platform });
+    }
+    kept_sections(r, &document)?;
+    let warnings = warnings(&mechanism, &legs);
+    Ok(Machine {
+        path: path.into(),
+        mechanism: Box::new(mechanism),
+        nominal,
+        convention,
+        workspace,
+        noise,
+        targets,
+        length_unit: r.length,
+        angle_unit: r.angle,
+        warnings,
+        document,
+    })
+}
+
+fn stroke(r: &Reader<'_>, place: &str, [from, to]: [f64; 2]) -> Result<[f64; 2], FileError> {
+    if !(0.0 < from && from < to && to.is_finite()) {
+        return Err(r.value(place, format!("[{from}, {to}] is not an interval; write [shortest, longest] length")));
+    }
+    Ok([r.length.to_si(from), r.length.to_si(to)])
+}
+
+/// Names the common point in the unit of the file.
+fn equal_anchors(r: &Reader<'_>, cause: GeometryError) -> FileError {
+    let GeometryError::EqualAnchors { first, second, body, x, y, z } = cause else {
+        return FileError::Geometry { path: r.path.into(), cause };
+    };
+    let point = [x, y, z].map(|v| number(r.length.from_si(v))).join(", ");
+    r.value(
+        format!("legs {first} and {second}, `{body}`"),
+        format!(
+            "are the same point [{point}]; correct one of them, or state `shared_anchors = true` if the legs really \
+             meet there"
+        ),
+    )
+}
+
+/// Checks the sections that are only handed on.
+fn kept_sections(r: &Reader<'_>, document: &MechanismDocument) -> Result<(), FileError> {
+    if let Some(t) = document.reference_temperature {
+        r.finite("reference_temperature_degC", t)?;
+    }
+    if let Some(p) = &document.platform {
+        p.mass_kg.map(|v| r.known("[platform] mass_kg", v)).transpose()?;
+        p.centre_of_mass.map(|v| r.point("[platform] centre_of_mass", &v)).transpose()?;
+        p.payload_centre.map(|v| r.point("[platform] payload_centre", &v)).transpose()?;
+    }
+    if let Some(pitch) = document.actuator.as_ref().and_then(|a| a.screw_pitch) {
+        r.known("[actuator] screw_pitch", pitch)?;
+    }
+    Ok(())
+}
+
+fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {
+    let at = crate::conditions::Conditions::unknown();
+    let Ok(lengths) = mechanism.inverse(mechanism.values(), &mechanism.home(), &at) else { return Vec::new() };
+    let mut warnings = Vec::new();
+    let off = legs.iter().zip(&lengths).map(|(l, h)| (l.length - l.length_offset - h).abs()).fold(0.0, f64::max);
+    if off > 1e-2 * legs[0].length {
+        warnings.push(format!(
+            "the leg lengths at the stated home differ from `length` by up to {:.3} mm; commanded lengths are absolute, so \
+             check which of the two is meant",
+            1e3 * off
+        ));
+    }
+    for (i, (l, h)) in legs.iter().zip(&lengths).enumerate() {
+        if let Some([from, to]) = l.stroke.filter(|[from, to]| h < from || h > to) {
+            warnings.push(format!(
+                "leg {}: its length at home, {:.3} mm, is outside its stroke {:.3} to {:.3} mm",
+                i + 1,
+                1e3 * h,
+                1e3 * from,
+                1e3 * to
+            ));
+        }
+    }
+    warnings
+}
