@@ -174,6 +174,15 @@ pub fn show_angle(radians: f64) -> String {
     }
 }
 
+/// A number with that many decimals, and no minus before zero.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.bytes().all(|b| matches!(b, b'0' | b'.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
 /// A number with three significant digits and no exponent where it can be avoided.
 pub fn three_digits(value: f64) -> String {
     let size = value.abs();
@@ -214,6 +223,7 @@ mod tests {
     fn sizes_are_shown_in_a_unit_that_fits() {
         assert_eq!(show_length(0.000_000_83), "0.830 um");
         assert_eq!(show_length(0.0125), "12.5 mm");
+        assert_eq!((fixed(-1e-9, 3), fixed(-0.25, 1)), ("0.000".into(), "-0.2".into()));
         assert_eq!(show_angle(1e-4_f64.to_radians()), "0.360 arcsec");
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, Prospect};
 use crate::mechanism::{Mechanism, Survey, Workspace};
 use crate::pose::PoseConvention;
-use crate::units::{Dimension, show_angle, show_length, three_digits};
+use crate::units::{Dimension, fixed, show_angle, show_length, three_digits};
 
 /// Long lists are cut after this many lines.
 const SHOWN: usize = 6;
@@ -207,7 +207,7 @@ pub struct Inspection<'a> {
 
 /// What `inspect` prints.
 pub fn inspection(i: &Inspection<'_>) -> String {
-    let mm = |v: f64| format!("{:.3}", 1e3 * v);
+    let mm = |v: f64| fixed(1e3 * v, 3);
     let point = |points: &[(usize, Vector3<f64>)], k: usize| {
         points
             .iter()
@@ -232,13 +232,13 @@ pub fn inspection(i: &Inspection<'_>) -> String {
     );
     let q = i.convention.coordinates(&i.mechanism.home());
     text += &format!(
-        "\nHome: x {} y {} z {} mm, rx {:.5} ry {:.5} rz {:.5} deg\n",
+        "\nHome: x {} y {} z {} mm, rx {} ry {} rz {} deg\n",
         mm(q[0]),
         mm(q[1]),
         mm(q[2]),
-        q[3].to_degrees(),
-        q[4].to_degrees(),
-        q[5].to_degrees()
+        fixed(q[3].to_degrees(), 5),
+        fixed(q[4].to_degrees(), 5),
+        fixed(q[5].to_degrees(), 5)
     );
     text += &format!(
         "Condition of the mechanism (angles times the radius, {}): {:.2} at home",
