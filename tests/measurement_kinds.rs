@@ -8,14 +8,18 @@ use std::sync::Arc;
 use common::{machine, paper_noise, rms, true_mechanism, workspace};
 use paracal::conditions::Conditions;
 use paracal::files::read_measurement;
-use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate, pose_covariance};
+use paracal::identification::{
+    CalibrationOptions, CalibrationProblem, Identifier, LevenbergMarquardt, PriorPolicy, Task, calibrate,
+    pose_covariance,
+};
 use paracal::measurement::{
     Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, Sample, TargetMeasurement, TargetPoint,
 };
 use paracal::mechanism::{Mechanism, Workspace};
-use paracal::nalgebra::{Matrix3x6, Vector3};
+use paracal::nalgebra::{DMatrix, DVector, Matrix3x6, Vector3};
 use paracal::pose::Pose;
 use paracal::simulation::{SimulatedSample, simulate};
+use paracal::solve::LeastSquaresProblem;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -89,6 +93,43 @@ fn one_missing_coordinate_is_no_obstacle() {
         measured[missing] = false;
         let ratio = error_over_sigma(&c, &partial(&c, measured), &Vector3::zeros());
         assert!((0.5..1.6).contains(&ratio), "coordinate {missing}: {ratio:.3}");
+    }
+}
+
+/// Mean square of whitened residuals of rows that were not fitted over their variance, the noise's and the
+/// model's: 1 + diag(J Cov Jᵀ). All parameters take part, those of the measurement too.
+fn held_out_over_predicted(c: &Campaign, data: &Dataset, fitted: usize) -> f64 {
+    let task = |data| Task { prior: PriorPolicy::Auto, ..Task::new(c.nominal.as_ref(), data) };
+    let (fit, rest): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|k| *k < fitted);
+    let (fit, rest) = (data.subset(&fit), data.subset(&rest));
+    let found = LevenbergMarquardt::default().identify(&task(&fit)).unwrap();
+    let x = DVector::from_iterator(found.parameters.len(), found.parameters.iter().map(|p| p.value));
+    let mut problem = CalibrationProblem::new(&task(&rest), None, 1.0).unwrap();
+    let (m, n) = problem.shape();
+    let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
+    problem.linearize(&x, &mut r, &mut j).unwrap();
+    let spread = &j * &found.covariance * j.transpose();
+    (0..m).map(|k| r[k] * r[k] / (1.0 + spread[(k, k)])).sum::<f64>() / m as f64
+}
+
+#[test]
+fn held_out_rows_err_as_the_covariance_says() {
+    let c = campaign(260);
+    let (p, r) = ([true; 3], [true; 3]);
+    let mut cases: Vec<(String, Dataset)> =
+        vec![("positions".into(), partial(&c, [true, true, true, false, false, false]))];
+    for missing in 0..6 {
+        let mut measured = [p, r].concat();
+        measured[missing] = false;
+        cases.push((format!("without {missing}"), partial(&c, measured.try_into().unwrap())));
+    }
+    for known in [true, false] {
+        cases.push((format!("targets, known {known}"), target_data(&c, known, &Pose::identity()).0));
+    }
+    for (name, data) in cases {
+        let ratio = held_out_over_predicted(&c, &data, 60);
+        // 600 to 1800 rows whose model errors are correlated.
+        assert!((0.85..1.15).contains(&ratio), "{name}: {ratio:.3}");
     }
 }
 
