@@ -38,6 +38,7 @@ mod registration;
 mod result;
 mod robust;
 mod weak_directions;
+mod whitening;
 
 pub use calibration::{Calibration, CalibrationOptions, Verdict, calibrate};
 pub use error::IdentifyError;

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix6};
 
+use super::whitening::Whitening;
 use super::{IdentifyError, Prior, Task};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
@@ -30,16 +31,15 @@ pub struct CalibrationProblem<'a> {
     prior: Option<Prior>,
     /// Covariance of each reading (k × k), joints included, for the noise as stated.
     covariances: Vec<DMatrix<f64>>,
-    /// Whitening of each sample (k × k), lower triangular.
-    whitening: Vec<DMatrix<f64>>,
+    whitening: Vec<Whitening>,
     /// Square root of the weight of each sample; one but for robust fits.
     sample_weights: Vec<f64>,
     poses: Vec<Pose>,
     kinds: Vec<Vec<RowKind>>,
     start: DVector<f64>,
     block: MotionBlock,
-    rows: Vec<Rows>,
-    product: DMatrix<f64>,
+    /// Readings of the sample at hand; their number rarely changes from one sample to the next.
+    rows: Rows,
 }
 
 impl<'a> CalibrationProblem<'a> {
@@ -55,7 +55,6 @@ impl<'a> CalibrationProblem<'a> {
         let model = data.model();
         let own = model.own_parameters().len();
         let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| data.rows(k)).collect();
-        let rows = kinds.iter().map(|k| Rows::sized(k.len(), own)).collect();
         let (specs, c) = (mechanism.parameters().len(), mechanism.values());
         let mut problem = Self {
             mechanism,
@@ -65,11 +64,10 @@ impl<'a> CalibrationProblem<'a> {
             whitening: Vec::new(),
             sample_weights: vec![1.0; data.len()],
             poses: Vec::new(),
-            kinds,
             start: DVector::from_column_slice(c),
             block: MotionBlock::sized_for(mechanism),
-            rows,
-            product: DMatrix::zeros(0, specs),
+            rows: Rows::sized(kinds[0].len(), own),
+            kinds,
         };
         problem.poses = start_poses(mechanism, data)?;
         if own > 0 {
@@ -97,7 +95,7 @@ impl<'a> CalibrationProblem<'a> {
             // The closure residual has covariance J1 Σq J1ᵀ + Jj Σj Jjᵀ; seen from the reading the second term
             // is H (J1⁻¹ Jj) Σj (J1⁻¹ Jj)ᵀ Hᵀ.
             self.evaluate_sample(k, &self.start.clone()).map_err(|cause| sample_error(self.data, k, cause))?;
-            let seen = &self.rows[k].motion * &self.block.joints;
+            let seen = &self.rows.motion * &self.block.joints;
             covariance += &seen * seen.transpose() * (joint * joint);
         }
         Ok(covariance)
@@ -109,17 +107,14 @@ impl<'a> CalibrationProblem<'a> {
         covariance: &DMatrix<f64>,
         weights: Weights,
         noise_scale: f64,
-    ) -> Result<DMatrix<f64>, IdentifyError> {
+    ) -> Result<Whitening, IdentifyError> {
         let kinds = &self.kinds[k];
         if weights == Weights::MillimetresAndRadians {
             let unit = kinds.iter().map(|kind| if *kind == RowKind::Position { 1e3 } else { 1.0 });
-            return Ok(DMatrix::from_diagonal(&DVector::from_iterator(kinds.len(), unit)));
+            return Ok(Whitening::Diagonal(DVector::from_iterator(kinds.len(), unit)));
         }
         let row = self.data.sample(k).row;
-        let factor = Cholesky::new(covariance.clone()).ok_or(IdentifyError::Covariance { row })?;
-        let lower = factor.unpack() * noise_scale;
-        let n = lower.nrows();
-        lower.solve_lower_triangular(&DMatrix::identity(n, n)).ok_or(IdentifyError::Covariance { row })
+        Whitening::of(covariance, noise_scale).ok_or(IdentifyError::Covariance { row })
     }
 
     /// $\sum_k A_k Σ_k A_k^T$: covariance of $A r$ for the whitened residual $r$, with the columns of `a` in the
@@ -128,7 +123,7 @@ impl<'a> CalibrationProblem<'a> {
         let mut sum = DMatrix::zeros(a.nrows(), a.nrows());
         let mut next = 0;
         for (k, (first, n)) in self.sample_rows().into_iter().enumerate() {
-            let part = a.columns(first, n) * &self.whitening[k];
+            let part = a.columns(first, n) * self.whitening[k].to_matrix();
             sum += &part * &self.covariances[k] * part.transpose();
             next = first + n;
         }
@@ -184,7 +179,11 @@ impl<'a> CalibrationProblem<'a> {
         self.poses[k] = pose;
         self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
         let (model, index) = self.data.reading(k);
-        model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows[k]);
+        let n = self.kinds[k].len();
+        if self.rows.residual.len() != n {
+            self.rows = Rows::sized(n, own.len());
+        }
+        model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows);
         Ok(())
     }
 }
@@ -232,18 +231,23 @@ impl LeastSquaresProblem for CalibrationProblem<'_> {
             if n == 0 {
                 continue;
             }
-            let rows = &self.rows[k];
-            let weight = self.sample_weights[k];
-            let w = &self.whitening[k];
             // W H J_b with the small product first.
-            let wh = (w * &rows.motion) * weight;
-            self.product.resize_mut(n, specs, 0.0);
-            wh.mul_to(&self.block.parameters, &mut self.product);
-            jacobian.view_mut((first, 0), (n, specs)).copy_from(&self.product);
-            if own > 0 {
-                jacobian.view_mut((first, specs), (n, own)).copy_from(&((w * &rows.own) * weight));
+            self.whitening[k].apply(self.sample_weights[k], &mut self.rows);
+            let (rows, block) = (&self.rows, &self.block.parameters);
+            let mut out = jacobian.view_mut((first, 0), (n, specs));
+            if n == 6 {
+                // Full poses, the usual case, with a static size: a general product packs its factors first.
+                let wh: Matrix6<f64> = rows.motion.fixed_view::<6, 6>(0, 0).into_owned();
+                for (mut to, column) in out.column_iter_mut().zip(block.column_iter()) {
+                    to.copy_from(&(wh * column));
+                }
+            } else {
+                out.gemm(1.0, &rows.motion, block, 0.0);
             }
-            residual.rows_mut(first, n).copy_from(&((w * &rows.residual) * weight));
+            if own > 0 {
+                jacobian.view_mut((first, specs), (n, own)).copy_from(&rows.own);
+            }
+            residual.rows_mut(first, n).copy_from(&rows.residual);
             first += n;
         }
         if let Some(prior) = &self.prior {

@@ -9,8 +9,9 @@ use crate::solve::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, ne
 
 /// Smallest part of the way that [`follow_joints`] tries in one step.
 const SHORTEST_PART: f64 = 1.0 / 256.0;
-/// A solution farther from its seed than this is taken for another branch until it was followed there, rad.
-const FAR_TURN: f64 = 1.0;
+/// Cosine of a radian: a solution that turned farther from its seed is taken for another branch until it was
+/// followed there.
+const COS_FAR_TURN: f64 = 0.540_302_305_868_139_8;
 
 /// Solves for the pose of `joints` on the branch of `seed`.
 ///
@@ -32,8 +33,9 @@ pub fn follow_joints(
         return Err(KinematicsError::NotFinite { what: "a joint coordinate or the starting pose".into() });
     }
     let near = |from: &Pose, to: &NewtonSolution<Pose>| {
-        let cos = 0.5 * ((to.point.rotation.matrix().transpose() * from.rotation.matrix()).trace() - 1.0);
-        to.determinant * side >= 0.0 && cos > FAR_TURN.cos()
+        // The sum of the products of entries is the trace of RᵀR', which is 1 + 2 cos of the turn between them.
+        let cos = 0.5 * (to.point.rotation.matrix().dot(from.rotation.matrix()) - 1.0);
+        to.determinant * side >= 0.0 && cos > COS_FAR_TURN
     };
     match solve(joints, seed) {
         Ok(found) if near(seed, &found) => return Ok(found.point),

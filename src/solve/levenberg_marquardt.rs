@@ -4,7 +4,7 @@ use argmin::core::{KV, Problem, Solver, TerminationReason};
 use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::{Convergence, IterationRecord, KeepsProgress, Progress, SolveError};
-use super::linear::{LinearMethod, LinearStep, column_norms, solve_step};
+use super::linear::{LinearMethod, LinearStep, measure, relative_size, slope, solve_step, usable};
 use super::state::SolverState;
 use super::{LeastSquaresOptions, LeastSquaresProblem};
 
@@ -32,6 +32,9 @@ pub struct LevenbergMarquardt {
     progress: Progress,
     trial_residual: DVector<f64>,
     trial_jacobian: DMatrix<f64>,
+    /// Lengths of the columns of both Jacobians.
+    norms: DVector<f64>,
+    trial_norms: DVector<f64>,
     scale: DVector<f64>,
     damping: f64,
     growth: f64,
@@ -51,16 +54,6 @@ const FLAT: f64 = 1e-8;
 /// curvature that Gauss–Newton neglects asks for a damping about 1.
 const HOPELESS_DAMPING_WHERE_FLAT: f64 = 1e3;
 
-/// Longest projection of `r` on a column: the gradient in units of the residual.
-fn slope(j: &DMatrix<f64>, r: &DVector<f64>) -> f64 {
-    j.tr_mul(r).component_div(&column_norms(j)).amax()
-}
-
-/// Length of the step as a part of the unknowns.
-fn relative_size(columns: &DVector<f64>, delta: &DVector<f64>, x: &DVector<f64>) -> f64 {
-    columns.component_mul(delta).norm() / columns.component_mul(x).norm().max(f64::MIN_POSITIVE)
-}
-
 impl LevenbergMarquardt {
     /// A solver for a problem of that shape.
     pub fn new(options: LeastSquaresOptions, shape: (usize, usize)) -> Self {
@@ -69,6 +62,8 @@ impl LevenbergMarquardt {
             progress: Progress::new(shape),
             trial_residual: DVector::zeros(shape.0),
             trial_jacobian: DMatrix::zeros(shape.0, shape.1),
+            norms: DVector::zeros(shape.1),
+            trial_norms: DVector::zeros(shape.1),
             scale: DVector::zeros(shape.1),
             damping: options.initial_damping,
             growth: 2.0,
@@ -76,23 +71,25 @@ impl LevenbergMarquardt {
     }
 
     /// Whether the trial point is to replace the current one.
-    fn improves(&self, flat: bool) -> bool {
+    fn improves(&mut self, flat: bool) -> bool {
         let (r, j) = (&self.progress.residual, &self.progress.jacobian);
         let (trial_r, trial_j) = (&self.trial_residual, &self.trial_jacobian);
         let (before, after) = (r.norm(), trial_r.norm());
-        if !after.is_finite() || trial_j.iter().any(|v| !v.is_finite()) {
+        if !after.is_finite() || !measure(trial_j, &mut self.trial_norms) {
             return false;
         }
-        if j.column_iter().zip(trial_j.column_iter()).any(|(then, now)| now.norm() < VANISHED * then.norm()) {
-            return false;
-        }
-        after < before || flat && after <= before * (1.0 + FLAT) && slope(trial_j, trial_r) < slope(j, r)
+        let (then, now) = (&self.norms, &self.trial_norms);
+        let vanished = then.iter().zip(now.iter()).any(|(then, now)| *now < VANISHED * then);
+        !vanished
+            && (after < before
+                || flat && after <= before * (1.0 + FLAT) && slope(trial_j, now, trial_r) < slope(j, then, r))
     }
 
     /// Makes the trial point the current one; the caller moves the unknowns.
     fn accept(&mut self, step: &LinearStep, damping: f64) {
         std::mem::swap(&mut self.progress.residual, &mut self.trial_residual);
         std::mem::swap(&mut self.progress.jacobian, &mut self.trial_jacobian);
+        std::mem::swap(&mut self.norms, &mut self.trial_norms);
         let cost = 0.5 * self.progress.residual.norm_squared();
         self.progress.history.push(IterationRecord { cost, step: step.delta.amax(), damping });
     }
@@ -136,7 +133,7 @@ impl LevenbergMarquardt {
         let negligible = FLAT.sqrt() * p.residual.norm();
         match self.undamped_step(columns) {
             Some(step) => step.moved <= negligible || relative_size(columns, &step.delta, x) <= FLAT,
-            None => slope(&p.jacobian, &p.residual) <= negligible,
+            None => slope(&p.jacobian, &self.norms, &p.residual) <= negligible,
         }
     }
 }
@@ -169,7 +166,7 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
         }
         p.initial_cost = 0.5 * p.residual.norm_squared();
         state.cost = p.initial_cost;
-        if !p.initial_cost.is_finite() || p.jacobian.iter().any(|v| !v.is_finite()) {
+        if !p.initial_cost.is_finite() || !measure(&p.jacobian, &mut self.norms) {
             p.failure = Some(SolveError::NotFinite { iterations: 0 });
             return Ok((state.stop(TerminationReason::SolverExit("not finite".into())), None));
         }
@@ -184,7 +181,7 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
         let (Some(problem), Some(mut x)) = (problem.problem.as_mut(), state.param.take()) else {
             return Err(argmin::core::Error::msg("the solver was started without a point"));
         };
-        let columns = column_norms(&self.progress.jacobian);
+        let columns = usable(&self.norms);
         self.scale = (&self.scale * SCALE_MEMORY).sup(&columns);
         let norm = self.progress.residual.norm();
         if norm <= self.options.residual_floor {

@@ -33,13 +33,30 @@ const SINGULAR: f64 = 1e-13;
 
 /// Lengths of the columns; a column of zeros counts as one, so that its unknown stays where it is.
 pub(super) fn column_norms(j: &DMatrix<f64>) -> DVector<f64> {
-    DVector::from_iterator(
-        j.ncols(),
-        j.column_iter().map(|c| {
-            let n = c.norm();
-            if n > 0.0 { n } else { 1.0 }
-        }),
-    )
+    usable(&DVector::from_iterator(j.ncols(), j.column_iter().map(|c| c.norm())))
+}
+
+/// Lengths of columns as [`column_norms`] has them.
+pub(super) fn usable(norms: &DVector<f64>) -> DVector<f64> {
+    norms.map(|n| if n > 0.0 { n } else { 1.0 })
+}
+
+/// Measures the columns; false if an entry is not finite, which its column's length tells without another pass.
+pub(super) fn measure(j: &DMatrix<f64>, norms: &mut DVector<f64>) -> bool {
+    for (norm, column) in norms.iter_mut().zip(j.column_iter()) {
+        *norm = column.norm();
+    }
+    norms.iter().all(|n| n.is_finite())
+}
+
+/// Longest projection of `r` on a column: the gradient in units of the residual.
+pub(super) fn slope(j: &DMatrix<f64>, norms: &DVector<f64>, r: &DVector<f64>) -> f64 {
+    j.tr_mul(r).component_div(&usable(norms)).amax()
+}
+
+/// Length of the step as a part of the unknowns.
+pub(super) fn relative_size(columns: &DVector<f64>, delta: &DVector<f64>, x: &DVector<f64>) -> f64 {
+    columns.component_mul(delta).norm() / columns.component_mul(x).norm().max(f64::MIN_POSITIVE)
 }
 
 /// Solves for the step; `None` if the system is singular to rounding.
@@ -63,16 +80,18 @@ pub(super) fn solve_step(
 }
 
 fn by_normal_equations(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let jt = j.transpose();
-    let mut gram = &jt * j;
-    let mut rhs = jt * r;
-    let n = gram.ncols();
+    let n = j.ncols();
+    // A product of matrices is blocked; `j.tr_mul(j)` would take it apart into dot products, at twice the time.
+    let mut gram = j.transpose() * j;
+    let mut rhs = j.tr_mul(r);
+    let inverse = scale.map(|s| 1.0 / s);
     for c in 0..n {
-        for k in 0..n {
-            gram[(k, c)] /= scale[k] * scale[c];
+        // Cholesky reads the lower triangle alone.
+        for k in c..n {
+            gram[(k, c)] *= inverse[k] * inverse[c];
         }
         gram[(c, c)] += damping;
-        rhs[c] /= -scale[c];
+        rhs[c] *= -inverse[c];
     }
     let factor = Cholesky::new(gram)?;
     let l = factor.l_dirty();
@@ -92,15 +111,17 @@ fn by_qr(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64)
     }
     let mut stacked = DMatrix::zeros(m + extra, n);
     for c in 0..n {
+        let inverse = 1.0 / scale[c];
         for k in 0..m {
-            stacked[(k, c)] = j[(k, c)] / scale[c];
+            stacked[(k, c)] = j[(k, c)] * inverse;
         }
         if extra > 0 {
             stacked[(m + c, c)] = damping.sqrt();
         }
     }
     let mut rhs = DVector::zeros(m + extra);
-    rhs.rows_mut(0, m).copy_from(&(-r));
+    rhs.rows_mut(0, m).copy_from(r);
+    rhs.neg_mut();
     let qr = stacked.qr();
     qr.q_tr_mul(&mut rhs);
     let upper = qr.unpack_r();

@@ -5,9 +5,13 @@
 //! keeps only what the solvers of this crate use.
 
 use std::collections::HashMap;
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use argmin::core::{Problem, State, TerminationReason, TerminationStatus};
+
+/// The counts of function calls, which are not kept.
+static NO_COUNTS: LazyLock<HashMap<String, u64>> = LazyLock::new(HashMap::new);
 
 /// Iterate, its cost, and why the run ended.
 #[derive(Clone, Debug)]
@@ -17,7 +21,6 @@ pub struct SolverState<P> {
     pub(super) max_iterations: u64,
     iterations: u64,
     status: TerminationStatus,
-    counts: HashMap<String, u64>,
 }
 
 impl<P> SolverState<P> {
@@ -43,7 +46,6 @@ impl<P> State for SolverState<P> {
             max_iterations: u64::MAX,
             iterations: 0,
             status: TerminationStatus::NotTerminated,
-            counts: HashMap::new(),
         }
     }
 
@@ -84,7 +86,7 @@ impl<P> State for SolverState<P> {
     fn func_counts<O>(&mut self, _problem: &Problem<O>) {}
 
     fn get_func_counts(&self) -> &HashMap<String, u64> {
-        &self.counts
+        &NO_COUNTS
     }
 
     fn time(&mut self, _time: Option<Duration>) -> &mut Self {
