@@ -37,6 +37,8 @@ pub struct MechanismDocument {
     pub legs: Vec<LegEntry>,
     /// Home pose; solved from the lengths if absent.
     pub home: Option<HomeSection>,
+    /// In a calibrated file: the home of the geometry by which poses are commanded.
+    pub nominal_home: Option<HomeSection>,
     /// Half-ranges about home.
     pub workspace: Option<WorkspaceSection>,
     /// 1σ of manufacture.
@@ -205,8 +207,10 @@ impl MechanismDocument {
                 text += &format!("nominal_length_offset = {}\n", number(leg.nominal_length_offset));
             }
         }
-        if let Some(s) = &self.home {
-            text += &format!("\n[home]\nposition = {}\nrotation = {}\n", list(&s.position), list(&s.rotation));
+        for (name, section) in [("home", &self.home), ("nominal_home", &self.nominal_home)] {
+            if let Some(s) = section {
+                text += &format!("\n[{name}]\nposition = {}\nrotation = {}\n", list(&s.position), list(&s.rotation));
+            }
         }
         if let Some(s) = &self.workspace {
             text += &format!("\n[workspace]\nposition = {}\nrotation = {}\n", list(&s.position), list(&s.rotation));

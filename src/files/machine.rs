@@ -10,7 +10,7 @@ use super::error::{FileError, read_text};
 use super::mechanism_reader::{Reader, build};
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
-use crate::pose::PoseConvention;
+use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
 
 /// The only kind of mechanism that files can state so far.
@@ -123,8 +123,12 @@ impl Machine {
                 ..entry(l)
             };
         }
-        let (position, rotation) = six(self.convention.coordinates(&mechanism.home()));
-        document.home = Some(HomeSection { position, rotation });
+        let home = |pose: &Pose| {
+            let (position, rotation) = six(self.convention.coordinates(pose));
+            Some(HomeSection { position, rotation })
+        };
+        document.home = home(&mechanism.home());
+        document.nominal_home = home(&self.commander().home());
         if let Some(w) = workspace {
             let (position, rotation) = six(w.half);
             document.workspace = Some(WorkspaceSection { position, rotation });

@@ -135,7 +135,12 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
     let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
         0 => None,
-        _ => Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, None, None).map_err(geometry)?)),
+        _ => {
+            let home = document.nominal_home.as_ref();
+            let home = home.map(|h| r.six("[nominal_home]", &h.position, &h.rotation)).transpose()?;
+            let home = home.map(|q| convention.pose(&q));
+            Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, home, None).map_err(geometry)?))
+        }
     };
     let workspace = match &document.workspace {
         None => None,
