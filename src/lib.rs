@@ -14,19 +14,19 @@
 //!
 //! | paper | meaning | in code |
 //! |---|---|---|
-//! | $q = (x, y, z, α, β, γ)$ | pose of the platform, eq. (2) | [`pose::Pose`], written by a [`pose::PoseConvention`] |
-//! | $t$, $R$ | position and rotation | [`pose::Pose::position`], [`pose::Pose::rotation`] |
-//! | $a_i$, $b_i$ | where leg $i$ meets platform and base | [`mechanism::Leg::platform`], [`mechanism::Leg::base`] |
-//! | $h_i$ | length of leg $i$; its error $dh_i$ | [`mechanism::Leg::length`], [`mechanism::Leg::length_offset`] |
-//! | $H$ | joint coordinates (leg lengths) | `joints: &[f64]` |
-//! | $C$ | all parameters, eq. (15) | `c: &[f64]`, described by [`mechanism::ParameterSpec`] |
-//! | $f(q, H, C) = 0$ | closure, eqs. (12), (16) | [`mechanism::Mechanism::linearize`] |
-//! | $J_1$, $J_2$ | its derivatives, eqs. (19), (21) | [`mechanism::Linearization`] |
-//! | $J_b = -J_1^{-1} J_2$ | motion per parameter, eq. (23) with the sign of eq. (17) | [`mechanism::MotionBlock`] |
-//! | $J_B$, $dq_B$ | stacked over the poses, eqs. (27)–(29) | [`identification::CalibrationProblem`] |
-//! | $n$, $L$ | number of poses, of parameters | |
+//! | `q = (x, y, z, α, β, γ)` | pose of the platform, eq. (2) | [`pose::Pose`], written by a [`pose::PoseConvention`] |
+//! | `t`, `R` | position and rotation | [`pose::Pose::position`], [`pose::Pose::rotation`] |
+//! | `aᵢ`, `bᵢ` | where leg `i` meets platform and base | [`mechanism::Leg::platform`], [`mechanism::Leg::base`] |
+//! | `hᵢ` | length of leg `i`; its error `dhᵢ` | [`mechanism::Leg::length`], [`mechanism::Leg::length_offset`] |
+//! | `H` | joint coordinates (leg lengths) | `joints: &[f64]` |
+//! | `C` | all parameters, eq. (15) | `c: &[f64]`, described by [`mechanism::ParameterSpec`] |
+//! | `f(q, H, C) = 0` | closure, eqs. (12), (16) | [`mechanism::Mechanism::linearize`] |
+//! | `J₁`, `J₂` | its derivatives, eqs. (19), (21) | [`mechanism::Linearization`] |
+//! | `J_b = -J₁⁻¹ J₂` | motion per parameter, eq. (23) with the sign of eq. (17) | [`mechanism::MotionBlock`] |
+//! | `J_B`, `dq_B` | stacked over the poses, eqs. (27)–(29) | [`identification::CalibrationProblem`] |
+//! | `n`, `L` | number of poses, of parameters | |
 //!
-//! Inside, numbers are SI: metres and radians. Derivatives are along a small motion $(δt, δω)$ of the platform
+//! Inside, numbers are SI: metres and radians. Derivatives are along a small motion `(δt, δω)` of the platform
 //! rather than along the angles, for the reason given in [`pose`].
 //!
 //! # The modules follow the work

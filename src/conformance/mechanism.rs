@@ -19,7 +19,7 @@ const AGREES: f64 = 1e-6;
 ///
 /// * specifications, values and sizes agree, names are unique;
 /// * forward kinematics undoes inverse kinematics, and gives the same bits twice;
-/// * the closure residual is zero there, and $J_1$, $J_2$ and $∂f/∂h$ agree with central differences;
+/// * the closure residual is zero there, and `J₁`, `J₂` and `∂f/∂h` agree with central differences;
 /// * the motion block agrees with central differences of forward kinematics, parameter by parameter;
 /// * joints that are not numbers, or far out of reach, give an error and never a pose.
 ///

@@ -206,7 +206,7 @@ fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> 
     result
 }
 
-/// Parameters and covariance in the frames of the measurement: $b' = B\,b$, $a' = A^{-1} a$.
+/// Parameters and covariance in the frames of the measurement: `b' = B b`, `a' = A⁻¹ a`.
 fn carry(mechanism: &dyn Mechanism, found: &Identification, frames: &Frames) -> (Vec<Estimate>, DMatrix<f64>) {
     let n = found.mechanism_parameters;
     let mut parameters = found.parameters.clone();

@@ -1,7 +1,7 @@
 //! From measured data to parameters, their covariance, and how far to trust them.
 //!
-//! The error model of one sample is $dq = J_b\,dC$ (eq. 23); stacked over the samples (eq. 27) and whitened it
-//! is a least-squares problem in the $L$ parameters of the mechanism and the own parameters of the
+//! The error model of one sample is `dq = J_b dC` (eq. 23); stacked over the samples (eq. 27) and whitened it
+//! is a least-squares problem in the `L` parameters of the mechanism and the own parameters of the
 //! measurement. It is iterated, because the model is linear only for small errors; the residual of each
 //! iteration comes from full forward kinematics.
 //!

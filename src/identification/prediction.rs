@@ -6,8 +6,8 @@ use crate::conditions::Conditions;
 use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
 use crate::pose::{Pose, PoseConvention};
 
-/// Covariance (6 × 6) of the pose predicted for given joints, along small motions $(δt, δω)$ of the platform:
-/// $J_b\,\mathrm{Cov}\,J_b^T$.
+/// Covariance (6 × 6) of the pose predicted for given joints, along small motions `(δt, δω)` of the platform:
+/// `J_b Cov J_bᵀ`.
 ///
 /// # Errors
 /// [`KinematicsError`] where the motion block has no value.

@@ -78,7 +78,7 @@ impl Prior {
         }
     }
 
-    /// Writes its rows at `x` from row `first` on: $(x - x_0)/σ$ with unit variance.
+    /// Writes its rows at `x` from row `first` on: `(x - x₀)/σ` with unit variance.
     pub fn write(&self, x: &DVector<f64>, first: usize, residual: &mut DVector<f64>, jacobian: &mut DMatrix<f64>) {
         jacobian.rows_mut(first, self.rows()).fill(0.0);
         match self {

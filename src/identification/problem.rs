@@ -21,7 +21,7 @@ pub enum Weights {
     MillimetresAndRadians,
 }
 
-/// Whitened residual $W(\hat y(x) - y)$ of a dataset, with prior rows $(x - x_0)/σ_0$ below it.
+/// Whitened residual `W(ŷ(x) - y)` of a dataset, with prior rows `(x - x₀)/σ₀` below it.
 ///
 /// Unknowns: the parameters of the mechanism, then those of the measurement. Forward kinematics of each sample
 /// starts where it ended the time before.
@@ -117,7 +117,7 @@ impl<'a> CalibrationProblem<'a> {
         Whitening::of(covariance, noise_scale).ok_or(IdentifyError::Covariance { row })
     }
 
-    /// $\sum_k A_k Σ_k A_k^T$: covariance of $A r$ for the whitened residual $r$, with the columns of `a` in the
+    /// `Σₖ Aₖ Σₖ Aₖᵀ`: covariance of `A r` for the whitened residual `r`, with the columns of `a` in the
     /// order of the rows. Rows of a prior have unit covariance.
     pub fn covariance_through(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(a.nrows(), a.nrows());

@@ -35,7 +35,7 @@ pub struct Prospect {
 const DRAWS: usize = 100;
 
 /// Looks ahead at `n` poses on corners of the workspace: the best of a hundred random sets by the volume of what
-/// they determine, $\prod σ_i$ of the whitened Jacobian.
+/// they determine, `∏ σᵢ` of the whitened Jacobian.
 ///
 /// # Errors
 /// [`IdentifyError`] if a corner cannot be reached.

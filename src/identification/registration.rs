@@ -1,9 +1,9 @@
 //! Where the tracker and the target are, from any orientation.
 //!
-//! A full pose is measured as $M_n = B\,T_n\,A$ with $T_n$ the pose that the nominal mechanism predicts. Turns
-//! between samples do not know $A$: $\log(R_{M_n} R_{M_0}^{-1}) = R_B \log(R_{T_n} R_{T_0}^{-1})$, and
-//! displacements nearly do not: $p_n - p_0 ≈ R_B (t_n - t_0)$. Each gives $R_B$ in closed form (Kabsch), then
-//! $R_A$ is a mean and the two positions a linear problem. The best of these starts is refined by
+//! A full pose is measured as `Mₙ = B Tₙ A` with `Tₙ` the pose that the nominal mechanism predicts. Turns
+//! between samples do not know `A`: `log(R_Mₙ R_M₀⁻¹) = R_B log(R_Tₙ R_T₀⁻¹)`, and
+//! displacements nearly do not: `pₙ - p₀ ≈ R_B (tₙ - t₀)`. Each gives `R_B` in closed form (Kabsch), then
+//! `R_A` is a mean and the two positions a linear problem. The best of these starts is refined by
 //! Levenberg–Marquardt on all twelve unknowns.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
@@ -121,8 +121,8 @@ fn starts(pairs: &[Pair]) -> Vec<Frames> {
     turns.into_iter().filter_map(|turn| complete(pairs, turn)).collect()
 }
 
-/// The other unknowns for a given $R_B$: $R_A$ as the mean of $R_T^{-1} R_B^{-1} R_M$, then both positions from
-/// $p_n = R_B t_n + R_B R_{T_n} p_A + t_B$.
+/// The other unknowns for a given `R_B`: `R_A` as the mean of `R_T⁻¹ R_B⁻¹ R_M`, then both positions from
+/// `pₙ = R_B tₙ + R_B R_Tₙ p_A + t_B`.
 fn complete(pairs: &[Pair], turn: Rotation3<f64>) -> Option<Frames> {
     let mut spread = Matrix3::zeros();
     let n = pairs.len();

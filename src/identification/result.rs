@@ -140,7 +140,7 @@ impl Identification {
     }
 }
 
-/// $J^+$ (n × m) through the SVD of $J$ with columns scaled to length one, the rank, and which unknowns have no
+/// `J⁺` (n × m) through the SVD of `J` with columns scaled to length one, the rank, and which unknowns have no
 /// part in the null space.
 pub(super) fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool>) {
     let n = j.ncols();

@@ -11,12 +11,12 @@ use crate::solve::{
     IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
 };
 
-/// How much a sample counts, by its whitened length $d$ over the scale.
+/// How much a sample counts, by its whitened length `d` over the scale.
 ///
 /// | loss | weight | far away |
 /// |---|---|---|
-/// | Huber | $\min(1, c/d)$ | keeps some influence; the minimum is unique |
-/// | Tukey | $(1 - (d/c)^2)^2$, 0 beyond $c$ | none; needs a start that is not itself pulled away |
+/// | Huber | `min(1, c/d)` | keeps some influence; the minimum is unique |
+/// | Tukey | `(1 - (d/c)²)²`, 0 beyond `c` | none; needs a start that is not itself pulled away |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// Bounded influence.
@@ -29,7 +29,7 @@ pub enum Loss {
 /// Iteratively reweighted least squares: a sample (a whole pose, since gross errors are those of a pose) gets a
 /// weight by the length of its whitened residual, relative to a scale that is estimated from the median.
 ///
-/// The tuning constant is computed for each number of rows $k$, so that 95 % of the efficiency of least
+/// The tuning constant is computed for each number of rows `k`, so that 95 % of the efficiency of least
 /// squares is kept when the noise is normal. Reference: Maronna, Martin, Yohai, *Robust Statistics*, 2006,
 /// chapters 4 and 6.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,8 +67,8 @@ impl Loss {
         }
     }
 
-    /// Efficiency for $k$-dimensional normal residuals: $k η^2 / E[ψ^2]$ with $ψ = w(d) d$ and
-    /// $η = E[ψ' + (k-1) ψ/d]/k$, by the midpoint rule over the χ distribution.
+    /// Efficiency for `k`-dimensional normal residuals: `k η² / E[ψ²]` with `ψ = w(d) d` and
+    /// `η = E[ψ' + (k-1) ψ/d]/k`, by the midpoint rule over the χ distribution.
     fn efficiency(self, k: usize, c: f64) -> f64 {
         let Ok(chi) = ChiSquared::new(k as f64) else { return f64::NAN };
         let (mut square, mut slope) = (0.0, 0.0);
@@ -84,7 +84,7 @@ impl Loss {
         slope * slope / (k as f64 * square)
     }
 
-    /// The tuning constant that keeps 95 % efficiency for samples of $k$ rows.
+    /// The tuning constant that keeps 95 % efficiency for samples of `k` rows.
     pub fn tuning(self, k: usize) -> f64 {
         let (mut low, mut high) = (0.1, 12.0);
         for _ in 0..40 {
@@ -211,8 +211,8 @@ fn tuned(loss: Loss, k: usize) -> f64 {
     *known.entry(key).or_insert_with(|| loss.tuning(k))
 }
 
-/// Scale of the noise from the median of the distances: the median of $d^2/m_k$ with $m_k$ the median of
-/// $χ^2_k$, corrected for the rows that the parameters used up.
+/// Scale of the noise from the median of the distances: the median of `d²/mₖ` with `mₖ` the median of
+/// `χ²ₖ`, corrected for the rows that the parameters used up.
 fn median_scale(distances: &[f64], rows: &[(usize, usize)], unknowns: usize) -> f64 {
     let mut ratios: Vec<f64> = distances
         .iter()

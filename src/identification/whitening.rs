@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::measurement::Rows;
 
-/// $W$ with $W Σ W^T = I$ for the covariance $Σ$ of one sample.
+/// `W` with `W Σ Wᵀ = I` for the covariance `Σ` of one sample.
 pub(super) enum Whitening {
     /// Independent rows, as most trackers report them: one factor for each.
     Diagonal(DVector<f64>),
@@ -26,7 +26,7 @@ impl Whitening {
         lower.solve_lower_triangular(&DMatrix::identity(n, n)).map(Self::Lower)
     }
 
-    /// Multiplies residual and derivatives by $W$ and by `weight`, in place.
+    /// Multiplies residual and derivatives by `W` and by `weight`, in place.
     pub(super) fn apply(&self, weight: f64, rows: &mut Rows) {
         let columns = [rows.motion.as_mut_slice(), rows.own.as_mut_slice(), rows.residual.as_mut_slice()];
         let n = match self {
@@ -51,7 +51,7 @@ impl Whitening {
         }
     }
 
-    /// $W$ in full.
+    /// `W` in full.
     pub(super) fn to_matrix(&self) -> DMatrix<f64> {
         match self {
             Self::Diagonal(factors) => DMatrix::from_diagonal(factors),

@@ -2,12 +2,12 @@
 
 use crate::pose::Pose;
 
-/// Placement of the tracker and of the target: a full pose is measured as $B\,T(q)\,A$.
+/// Placement of the tracker and of the target: a full pose is measured as `B T(q) A`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frames {
-    /// $B$: pose of the base frame in the tracker's frame.
+    /// `B`: pose of the base frame in the tracker's frame.
     pub base: Pose,
-    /// $A$: pose of the target's frame on the platform.
+    /// `A`: pose of the target's frame on the platform.
     pub target: Pose,
 }
 
@@ -17,12 +17,12 @@ impl Frames {
         self.base == Pose::identity() && self.target == Pose::identity()
     }
 
-    /// What is measured when the platform is at `pose`: $B\,T\,A$.
+    /// What is measured when the platform is at `pose`: `B T A`.
     pub fn measured(&self, pose: &Pose) -> Pose {
         self.base.compose(pose).compose(&self.target)
     }
 
-    /// The platform pose behind a measured one: $B^{-1}\,T_m\,A^{-1}$.
+    /// The platform pose behind a measured one: `B⁻¹ T_m A⁻¹`.
     pub fn platform(&self, measured: &Pose) -> Pose {
         self.base.inverse().compose(measured).compose(&self.target.inverse())
     }

@@ -1,12 +1,12 @@
 //! What was measured: samples, their noise, and how a reading depends on the pose.
 //!
 //! A [`Dataset`] is a list of [`Sample`]s (joints and operating state) and one [`MeasurementModel`] that
-//! knows the readings. A reading contributes $k$ rows: six for a full pose, fewer where coordinates were not
-//! measured, $3N$ for $N$ target points. For each sample the model states
+//! knows the readings. A reading contributes `k` rows: six for a full pose, fewer where coordinates were not
+//! measured, `3N` for `N` target points. For each sample the model states
 //!
-//! * the residual $r = \hat y(q) - y$, predicted minus measured,
-//! * its derivative along a small motion of the platform, $H = ∂r/∂(δt, δω)$ (k × 6), so that the
-//!   identification block is $H J_b$ (k × L),
+//! * the residual `r = ŷ(q) - y`, predicted minus measured,
+//! * its derivative along a small motion of the platform, `H = ∂r/∂(δt, δω)` (k × 6), so that the
+//!   identification block is `H J_b` (k × L),
 //! * its derivative along the model's own parameters (k × p), such as target points whose place on the
 //!   platform is not known,
 //! * the covariance of the reading (k × k).
@@ -17,7 +17,7 @@
 //! | [`TargetMeasurement`] | positions of points on the platform | the points that are not known |
 //!
 //! **Frames.** A tracker reports in its own frame, and a target has a frame of its own: a full pose is
-//! measured as $B\,T(q)\,A$ with $B$ the base in the tracker's frame and $A$ the target on the platform
+//! measured as `B T(q) A` with `B` the base in the tracker's frame and `A` the target on the platform
 //! ([`Frames`]). Both are identities until a registration finds them
 //! ([`crate::identification::register`]).
 
@@ -59,7 +59,7 @@ pub trait MeasurementModel: Debug + Send + Sync {
     /// Number of samples.
     fn samples(&self) -> usize;
 
-    /// What each row of a sample measures; its length is the number $k$ of rows.
+    /// What each row of a sample measures; its length is the number `k` of rows.
     fn rows(&self, sample: usize) -> Vec<RowKind>;
 
     /// Parameters of the measurement that are identified together with those of the mechanism.
@@ -98,11 +98,11 @@ pub trait MeasurementModel: Debug + Send + Sync {
 /// Residual and derivatives of one sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
-    /// $\hat y - y$ (k), m and rad.
+    /// `ŷ - y` (k), m and rad.
     pub residual: DVector<f64>,
-    /// $∂\hat y/∂(δt, δω)$ (k × 6).
+    /// `∂ŷ/∂(δt, δω)` (k × 6).
     pub motion: DMatrix<f64>,
-    /// $∂\hat y/∂$ own parameters (k × p).
+    /// `∂ŷ/∂` own parameters (k × p).
     pub own: DMatrix<f64>,
 }
 

@@ -9,9 +9,9 @@ use crate::pose::Pose;
 /// One of the two bodies that the legs join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
-    /// The moving one; points $a_i$.
+    /// The moving one; points `aᵢ`.
     Platform,
-    /// The standing one; points $b_i$.
+    /// The standing one; points `bᵢ`.
     Base,
 }
 
@@ -52,7 +52,7 @@ pub fn characteristic_length<M: Mechanism + ?Sized>(mechanism: &M) -> f64 {
     if mean > 0.0 { mean } else { 1.0 }
 }
 
-/// Condition number of $J_1$ with the angles scaled by the [`characteristic_length`]; infinite at a
+/// Condition number of `J₁` with the angles scaled by the [`characteristic_length`]; infinite at a
 /// singularity.
 pub fn condition<M: Mechanism + ?Sized>(mechanism: &M, c: &[f64], joints: &[f64], pose: &Pose, at: &Conditions) -> f64 {
     let mut work = Linearization::sized_for(mechanism);

@@ -66,7 +66,7 @@ pub enum GeometryError {
          check the anchors and the home pose"
     )]
     SingularHome {
-        /// Condition of $J_1$ with angles scaled by the platform radius.
+        /// Condition of `J₁` with angles scaled by the platform radius.
         condition: f64,
     },
     /// No home pose fits the lengths.
@@ -96,10 +96,10 @@ pub enum KinematicsError {
         /// What stopped the last attempt.
         cause: NewtonError,
     },
-    /// $J_1$ has no inverse: the platform can move while the joints stand still.
+    /// `J₁` has no inverse: the platform can move while the joints stand still.
     #[error("singular pose: with fixed joints the platform is not held (pivot ratio {pivot_ratio:.1e})")]
     Singular {
-        /// Smallest over largest pivot of $J_1$.
+        /// Smallest over largest pivot of `J₁`.
         pivot_ratio: f64,
     },
     /// A joint, parameter or pose is NaN or infinite.

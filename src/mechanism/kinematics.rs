@@ -16,7 +16,7 @@ const COS_FAR_TURN: f64 = 0.540_302_305_868_139_8;
 /// Solves for the pose of `joints` on the branch of `seed`.
 ///
 /// `solve(joints, seed)` is one Newton run. Its answer is taken as it is if the platform turned by less than
-/// a radian and $\det J_1$ has the sign `side` (that of home; between the two signs lies a singularity). If
+/// a radian and `det J₁` has the sign `side` (that of home; between the two signs lies a singularity). If
 /// not, the joints are led from those of the seed to the wanted ones in steps, so that the solution stays on
 /// the branch; steps are halved when one fails.
 ///
@@ -70,8 +70,8 @@ pub fn follow_joints(
     Ok(pose)
 }
 
-/// The closure equations of any mechanism as six equations: for $m > 6$ rows the least-squares pose, through
-/// the QR decomposition of $J_1$.
+/// The closure equations of any mechanism as six equations: for `m > 6` rows the least-squares pose, through
+/// the QR decomposition of `J₁`.
 struct ClosureProblem<'a, M: ?Sized> {
     mechanism: &'a M,
     c: &'a [f64],
@@ -134,10 +134,10 @@ pub fn forward_by_closure<M: Mechanism + ?Sized>(
     )
 }
 
-/// Motion block of any mechanism from its closure equations: $-J_1^+ [J_2, J_j]$.
+/// Motion block of any mechanism from its closure equations: `-J₁⁺ [J₂, Jⱼ]`.
 ///
 /// # Errors
-/// [`KinematicsError::Singular`] where $J_1$ has no full rank.
+/// [`KinematicsError::Singular`] where `J₁` has no full rank.
 pub fn motion_block_by_closure<M: Mechanism + ?Sized>(
     mechanism: &M,
     c: &[f64],

@@ -1,14 +1,14 @@
 //! Mechanisms: what they are made of, and how joints, parameters and pose hang together.
 //!
-//! A parallel mechanism is a set of $m ≥ 6$ **closure equations** $f(q, h, C) = 0$ in the pose $q$, the joint
-//! coordinates $h$ and the kinematic parameters $C$. Everything else follows from their derivatives
+//! A parallel mechanism is a set of `m ≥ 6` **closure equations** `f(q, h, C) = 0` in the pose `q`, the joint
+//! coordinates `h` and the kinematic parameters `C`. Everything else follows from their derivatives
 //!
 //! | symbol | derivative along | size | code |
 //! |---|---|---|---|
-//! | $J_1 = ∂f/∂q$ | small motion $(δt, δω)$ of the platform | m × 6 | [`Linearization::motion`] |
-//! | $J_2 = ∂f/∂C$ | parameters | m × L | [`Linearization::parameters`] |
-//! | $J_j = ∂f/∂h$ | joints | m × n | [`Linearization::joints`] |
-//! | $J_b = -J_1^{+} J_2$ | motion per parameter, eq. (23) with the sign of eq. (17) | 6 × L | [`MotionBlock::parameters`] |
+//! | `J₁ = ∂f/∂q` | small motion `(δt, δω)` of the platform | m × 6 | [`Linearization::motion`] |
+//! | `J₂ = ∂f/∂C` | parameters | m × L | [`Linearization::parameters`] |
+//! | `Jⱼ = ∂f/∂h` | joints | m × n | [`Linearization::joints`] |
+//! | `J_b = -J₁⁺ J₂` | motion per parameter, eq. (23) with the sign of eq. (17) | 6 × L | [`MotionBlock::parameters`] |
 //!
 //! The paper drops the minus between eqs. (17) and (18); taken literally its iteration diverges. Derivatives
 //! are along small motions (see [`crate::pose`]); multiply by
@@ -45,7 +45,7 @@ pub use workspace::Workspace;
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
-/// A parallel mechanism with closure $f(q, h, C) = 0$.
+/// A parallel mechanism with closure `f(q, h, C) = 0`.
 ///
 /// Methods take the parameters `c` as an argument, in the order of [`parameters`](Self::parameters), so that
 /// an identification can try values without building mechanisms. All numbers are SI.
@@ -53,7 +53,7 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// What people call it.
     fn name(&self) -> &str;
 
-    /// Name, unit, nominal value, tolerance and role of each parameter: the order of $C$, eq. (15).
+    /// Name, unit, nominal value, tolerance and role of each parameter: the order of `C`, eq. (15).
     fn parameters(&self) -> &[ParameterSpec];
 
     /// The parameter values of this very mechanism (nominal or calibrated), in the order of
@@ -72,7 +72,7 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// The pose from which forward kinematics starts and about which the workspace lies.
     fn home(&self) -> Pose;
 
-    /// Number $m ≥ 6$ of closure equations.
+    /// Number `m ≥ 6` of closure equations.
     fn equations(&self) -> usize;
 
     /// The closure residual and its three Jacobians at a pose, in one pass.
@@ -99,10 +99,10 @@ pub trait Mechanism: Any + Debug + Send + Sync {
         self.joints().iter().zip(joints).all(|(j, v)| j.stroke.is_none_or(|[from, to]| from <= *v && *v <= to))
     }
 
-    /// Motion of the platform per unit of each parameter ($J_b$, eq. 23) and of each joint.
+    /// Motion of the platform per unit of each parameter (`J_b`, eq. 23) and of each joint.
     ///
     /// # Errors
-    /// [`KinematicsError::Singular`] where $J_1$ has no inverse.
+    /// [`KinematicsError::Singular`] where `J₁` has no inverse.
     fn motion_block(
         &self,
         c: &[f64],
@@ -118,13 +118,13 @@ pub trait Mechanism: Any + Debug + Send + Sync {
 /// Closure residual and Jacobians at one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearization {
-    /// $f$ (m).
+    /// `f` (m).
     pub residual: DVector<f64>,
-    /// $J_1 = ∂f/∂(δt, δω)$ (m × 6).
+    /// `J₁ = ∂f/∂(δt, δω)` (m × 6).
     pub motion: DMatrix<f64>,
-    /// $J_2 = ∂f/∂C$ (m × L).
+    /// `J₂ = ∂f/∂C` (m × L).
     pub parameters: DMatrix<f64>,
-    /// $∂f/∂h$ (m × n).
+    /// `∂f/∂h` (m × n).
     pub joints: DMatrix<f64>,
 }
 
@@ -144,9 +144,9 @@ impl Linearization {
 /// How the platform moves when a parameter or a joint changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionBlock {
-    /// $J_b = -J_1^+ J_2$ (6 × L): small motion $(δt, δω)$ per unit of each parameter.
+    /// `J_b = -J₁⁺ J₂` (6 × L): small motion `(δt, δω)` per unit of each parameter.
     pub parameters: Matrix6xX<f64>,
-    /// $-J_1^+ ∂f/∂h$ (6 × n): small motion per unit of each joint.
+    /// `-J₁⁺ ∂f/∂h` (6 × n): small motion per unit of each joint.
     pub joints: Matrix6xX<f64>,
 }
 

@@ -27,21 +27,21 @@ impl Axis {
 /// mechanism. Legs count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRole {
-    /// A coordinate of the point $a_i$ where a leg meets the platform, platform frame.
+    /// A coordinate of the point `aᵢ` where a leg meets the platform, platform frame.
     PlatformPoint {
         /// Leg.
         leg: usize,
         /// Axis of the platform frame.
         axis: Axis,
     },
-    /// A coordinate of the point $b_i$ where a leg meets the base, base frame.
+    /// A coordinate of the point `bᵢ` where a leg meets the base, base frame.
     BasePoint {
         /// Leg.
         leg: usize,
         /// Axis of the base frame.
         axis: Axis,
     },
-    /// An offset added to the coordinate of a joint, such as $h_i$.
+    /// An offset added to the coordinate of a joint, such as `hᵢ`.
     JointOffset {
         /// Leg.
         leg: usize,

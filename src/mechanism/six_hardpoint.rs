@@ -1,15 +1,15 @@
 //! Six legs of variable length between points of the platform and of the base, in closed form.
 //!
-//! Leg $i$ has $l_i = t + R a_i - b_i$ (eq. 1). In the length form of eq. (12) its closure is
-//! $f_i = |l_i| - (h_i^{cmd} + dh_i)$, with $dh_i = h_i - h_i^{nom}$: the true length is the commanded length
-//! plus the error. With $u_i = l_i/|l_i|$
+//! Leg `i` has `lᵢ = t + R aᵢ - bᵢ` (eq. 1). In the length form of eq. (12) its closure is
+//! `fᵢ = |lᵢ| - (command + dhᵢ)`, with `dhᵢ = hᵢ - nominal hᵢ`: the true length is the commanded length
+//! plus the error. With `uᵢ = lᵢ/|lᵢ|`
 //!
-//! * $J_1$ row: $[u_i^T, (R a_i × u_i)^T]$ (eq. 19, along small motions),
-//! * $J_2$ row, in the columns of leg $i$: $[u_i^T R, -1, -u_i^T]$ (eq. 21 with the sign of eq. 17),
-//! * $∂f/∂h^{cmd} = -I$.
+//! * `J₁` row: `[uᵢᵀ, (R aᵢ × uᵢ)ᵀ]` (eq. 19, along small motions),
+//! * `J₂` row, in the columns of leg `i`: `[uᵢᵀ R, -1, -uᵢᵀ]` (eq. 21 with the sign of eq. 17),
+//! * `∂f/∂h = -I` along the commands.
 //!
-//! The parameters stand in the order of eq. (15), $x_A\,y_A\,z_A\,h\,x_B\,y_B\,z_B$ per leg; the paper's
-//! tables print $h$ last.
+//! The parameters stand in the order of eq. (15), `x_A y_A z_A h x_B y_B z_B` per leg; the paper's
+//! tables print `h` last.
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -25,13 +25,13 @@ use crate::units::Dimension;
 /// One leg of a [`SixHardpoint`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
-    /// $a_i$: where it meets the platform, platform frame, m.
+    /// `aᵢ`: where it meets the platform, platform frame, m.
     pub platform: Vector3<f64>,
-    /// $b_i$: where it meets the base, base frame, m.
+    /// `bᵢ`: where it meets the base, base frame, m.
     pub base: Vector3<f64>,
-    /// $h_i$ at home, m.
+    /// `hᵢ` at home, m.
     pub length: f64,
-    /// $dh_i$: true length minus commanded length, m.
+    /// `dhᵢ`: true length minus commanded length, m.
     pub length_offset: f64,
     /// Shortest and longest commanded length, m.
     pub stroke: Option<[f64; 2]>,
@@ -45,7 +45,7 @@ pub struct SixHardpoint {
     values: Vec<f64>,
     joints: Vec<JointSpec>,
     home: Pose,
-    /// Sign of $\det J_1$ at home: which side of the singularities the mechanism works on.
+    /// Sign of `det J₁` at home: which side of the singularities the mechanism works on.
     side: f64,
 }
 
@@ -216,7 +216,7 @@ struct SixLegs {
 }
 
 impl SixLegs {
-    /// Residual and $J_1$.
+    /// Residual and `J₁`.
     #[inline]
     fn equations(&self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
         for i in 0..LEGS {
@@ -346,7 +346,7 @@ impl Mechanism for SixHardpoint {
     }
 }
 
-/// The entries of $J_2$ in the columns of leg `i`: $[u^T R, -1, -u^T]$.
+/// The entries of `J₂` in the columns of leg `i`: `[uᵀ R, -1, -uᵀ]`.
 fn leg_row(motion: &Matrix6<f64>, i: usize, pose: &Pose) -> [f64; PER_LEG] {
     let u = Vector3::new(motion[(i, 0)], motion[(i, 1)], motion[(i, 2)]);
     let v = pose.rotation.inverse() * u;

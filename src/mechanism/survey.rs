@@ -15,7 +15,7 @@ pub struct Survey {
     pub unreachable: usize,
     /// Smallest and largest coordinate of each joint.
     pub joint_range: Vec<[f64; 2]>,
-    /// Largest condition of $J_1$, angles scaled by the platform radius.
+    /// Largest condition of `J₁`, angles scaled by the platform radius.
     pub worst_condition: f64,
 }
 

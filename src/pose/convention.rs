@@ -9,14 +9,14 @@ use super::Pose;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RotationOrder {
-    /// $R = R_z(γ) R_y(β) R_x(α)$, eq. (2) of the paper.
+    /// `R = R_z(γ) R_y(β) R_x(α)`, eq. (2) of the paper.
     #[default]
     Zyx,
-    /// $R = R_x(α) R_y(β) R_z(γ)$, as the hexapods of the Rubin Observatory have it.
+    /// `R = R_x(α) R_y(β) R_z(γ)`, as the hexapods of the Rubin Observatory have it.
     Xyz,
 }
 
-/// How six numbers $(x, y, z, α, β, γ)$ state a pose: the order of the rotations, and the platform point
+/// How six numbers `(x, y, z, α, β, γ)` state a pose: the order of the rotations, and the platform point
 /// whose position they give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseConvention {
@@ -46,7 +46,7 @@ impl PoseConvention {
         }
     }
 
-    /// The angles `(α, β, γ)` of a rotation, rad, with $|β| ≤ π/2$.
+    /// The angles `(α, β, γ)` of a rotation, rad, with `|β| ≤ π/2`.
     pub fn angles(&self, rotation: &Rotation3<f64>) -> Vector3<f64> {
         let r = rotation.matrix();
         // atan2 with the length of the other row entries keeps β accurate near ±90°, where asin is not.
@@ -77,9 +77,9 @@ impl PoseConvention {
         [p.x, p.y, p.z, a.x, a.y, a.z]
     }
 
-    /// The axes about which `α`, `β`, `γ` turn, in base axes: $ω = E\,(\dot α, \dot β, \dot γ)$.
+    /// The axes about which `α`, `β`, `γ` turn, in base axes: `ω = E (dα, dβ, dγ)/dt`.
     ///
-    /// For `Zyx` its columns are $R_z R_y e_x$, $R_z e_y$, $e_z$, the matrix $E$ of the paper's $J_1$.
+    /// For `Zyx` its columns are `R_z R_y e_x`, `R_z e_y`, `e_z`, the matrix `E` of the paper's `J₁`.
     pub fn angle_axes(&self, angles: &Vector3<f64>) -> Matrix3<f64> {
         let turn = |axis: &nalgebra::UnitVector3<f64>, angle| Rotation3::from_axis_angle(axis, angle);
         let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
@@ -95,9 +95,9 @@ impl PoseConvention {
         }
     }
 
-    /// The rates $C$ (6 × 6) of the six numbers along a small motion, $\dot q = C\,(δt, δω)$.
+    /// The rates `C` (6 × 6) of the six numbers along a small motion, `dq/dt = C (δt, δω)`.
     ///
-    /// Within about 1e-8 rad of $β = ±90°$ the angles have no rates; the entries are then huge or not
+    /// Within about 1e-8 rad of `β = ±90°` the angles have no rates; the entries are then huge or not
     /// finite, and callers that may get there work with rotation vectors instead.
     pub fn rates(&self, pose: &Pose) -> Matrix6<f64> {
         let mut c = Matrix6::identity();

@@ -1,18 +1,18 @@
 //! Where the platform is, and how that is written down.
 //!
-//! A [`Pose`] is a rigid motion: the position $t$ of the platform's origin in the base frame and the
-//! rotation $R$ from the platform frame to the base frame. A platform point $a$ stands at $t + R a$.
+//! A [`Pose`] is a rigid motion: the position `t` of the platform's origin in the base frame and the
+//! rotation `R` from the platform frame to the base frame. A platform point `a` stands at `t + R a`.
 //!
-//! **Coordinates.** The paper (eq. 2) writes a pose as $q = (x, y, z, α, β, γ)$ with
-//! $R = R_z(γ) R_y(β) R_x(α)$. Instruments write it in other ways: with $R = R_x R_y R_z$, or with the
+//! **Coordinates.** The paper (eq. 2) writes a pose as `q = (x, y, z, α, β, γ)` with
+//! `R = R_z(γ) R_y(β) R_x(α)`. Instruments write it in other ways: with `R = R_x R_y R_z`, or with the
 //! position of another point of the platform (the *pivot*). A [`PoseConvention`] is such a way of writing;
 //! it lives at the edges, in files and measurements.
 //!
 //! **Small motions.** Inside the library derivatives are taken along a *small motion*
-//! $δ = (δt, δω)$: the origin moves by $δt$ and the platform turns by the rotation vector $δω$, both in
-//! base axes, $t ← t + δt$, $R ← \exp([δω]_×) R$. The six numbers of $q$ have a singularity at
-//! $β = ±90°$; a small motion has none, so that a platform seen from a tracker that lies on its side is as
-//! good as any other. [`PoseConvention::rates`] converts: $\dot q = C(q)\, δ$.
+//! `δ = (δt, δω)`: the origin moves by `δt` and the platform turns by the rotation vector `δω`, both in
+//! base axes, `t ← t + δt`, `R ← exp([δω]×) R`. The six numbers of `q` have a singularity at
+//! `β = ±90°`; a small motion has none, so that a platform seen from a tracker that lies on its side is as
+//! good as any other. [`PoseConvention::rates`] converts: `dq/dt = C(q) δ`.
 
 mod convention;
 mod rigid_fit;
@@ -25,9 +25,9 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, Vect
 /// Position and orientation of the platform in the base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// $t$: the platform's origin in the base frame, m.
+    /// `t`: the platform's origin in the base frame, m.
     pub position: Vector3<f64>,
-    /// $R$: from the platform frame to the base frame.
+    /// `R`: from the platform frame to the base frame.
     pub rotation: Rotation3<f64>,
 }
 
@@ -37,23 +37,23 @@ impl Pose {
         Self { position: Vector3::zeros(), rotation: Rotation3::identity() }
     }
 
-    /// The pose with coordinates $q = (x, y, z, α, β, γ)$ of eq. (2), in m and rad.
+    /// The pose with coordinates `q = (x, y, z, α, β, γ)` of eq. (2), in m and rad.
     pub fn from_coordinates(q: &[f64; 6]) -> Self {
         PoseConvention::default().pose(q)
     }
 
-    /// The coordinates $q = (x, y, z, α, β, γ)$ of eq. (2), in m and rad, with $|β| ≤ π/2$.
+    /// The coordinates `q = (x, y, z, α, β, γ)` of eq. (2), in m and rad, with `|β| ≤ π/2`.
     pub fn coordinates(&self) -> [f64; 6] {
         PoseConvention::default().coordinates(self)
     }
 
-    /// The pose after the small motion $δ = (δt, δω)$ in base axes.
+    /// The pose after the small motion `δ = (δt, δω)` in base axes.
     pub fn moved(&self, motion: &Vector6<f64>) -> Self {
         let turn = Rotation3::from_scaled_axis(Vector3::new(motion[3], motion[4], motion[5]));
         Self { position: self.position + Vector3::new(motion[0], motion[1], motion[2]), rotation: turn * self.rotation }
     }
 
-    /// The motion $δ$ with `self.moved(δ) == other`; its rotation vector is at most π long.
+    /// The motion `δ` with `self.moved(δ) == other`; its rotation vector is at most π long.
     pub fn motion_to(&self, other: &Self) -> Vector6<f64> {
         let t = other.position - self.position;
         let w = rotation_vector(&(other.rotation * self.rotation.inverse()));

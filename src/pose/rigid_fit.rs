@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::Pose;
 
-/// The motion $T$ that minimises $\sum_k |T\,from_k - to_k|^2$ (Kabsch 1976, by SVD, reflections excluded).
+/// The motion `T` that minimises `Σₖ |T fromₖ - toₖ|²` (Kabsch 1976, by SVD, reflections excluded).
 ///
 /// `None` for fewer than three points, for points on one line (the turn about it is then free), or for numbers
 /// that are not finite.
@@ -23,7 +23,7 @@ pub fn fit_rigid_motion(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Option<Po
     Some(Pose { position: to_centre - rotation * from_centre, rotation })
 }
 
-/// The rotation that maximises $\mathrm{tr}(R^T S)$; `None` where $S$ has rank below two.
+/// The rotation that maximises `tr(Rᵀ S)`; `None` where `S` has rank below two.
 pub fn rotation_from_spread(spread: &Matrix3<f64>) -> Option<Rotation3<f64>> {
     if spread.iter().any(|v| !v.is_finite()) {
         return None;

@@ -195,7 +195,7 @@ pub struct Inspection<'a> {
     pub home_joints: Vec<f64>,
     /// Mean radius of the platform points, m.
     pub radius: f64,
-    /// Condition of $J_1$ at home.
+    /// Condition of `J₁` at home.
     pub home_condition: f64,
     /// Extremes over the workspace.
     pub survey: Option<Survey>,

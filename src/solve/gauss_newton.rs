@@ -11,7 +11,7 @@ use super::linear::{LinearMethod, column_norms, solve_step};
 use super::state::SolverState;
 use super::{LeastSquaresOptions, LeastSquaresProblem};
 
-/// Full steps $δ = -J^+ r$ by QR until they are negligible; no damping, no line search.
+/// Full steps `δ = -J⁺ r` by QR until they are negligible; no damping, no line search.
 ///
 /// # Requirements on the problem
 /// A start so near that full steps converge, and a Jacobian of full column rank.

@@ -13,12 +13,12 @@ use super::{GaussNewton, LevenbergMarquardt, gauss_newton};
 /// Why a problem could not be evaluated at a point; the cause is the problem's own error.
 pub type EvaluationError = Arc<dyn std::error::Error + Send + Sync>;
 
-/// Minimise $½|r(x)|^2$, $r: R^n → R^m$.
+/// Minimise `½|r(x)|²`, `r: Rⁿ → Rᵐ`.
 pub trait LeastSquaresProblem {
     /// `(m, n)`: rows of the residual and unknowns.
     fn shape(&self) -> (usize, usize);
 
-    /// The residual $r$ (m) and its Jacobian $∂r/∂x$ (m × n) at `x`.
+    /// The residual `r` (m) and its Jacobian `∂r/∂x` (m × n) at `x`.
     ///
     /// # Errors
     /// The problem's own error if it has no value at `x`. At the start this ends the run; later the solver
@@ -46,14 +46,14 @@ pub enum LeastSquaresMethod {
 /// When to stop and how to step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastSquaresOptions {
-    /// Converged when a step is at most this part of the unknowns, both measured with the columns of $J$.
+    /// Converged when a step is at most this part of the unknowns, both measured with the columns of `J`.
     pub step_tolerance: f64,
     /// Converged when the best linear step would move the residual by at most this part of its length, the
-    /// cosine of the angle between $r$ and the range of $J$.
+    /// cosine of the angle between `r` and the range of `J`.
     pub gradient_tolerance: f64,
     /// Converged when the residual is at most this long: an exact fit.
     pub residual_floor: f64,
-    /// Damping $λ$ of the first step relative to $J^T J$ with unit diagonal; 0 begins with Gauss–Newton.
+    /// Damping `λ` of the first step relative to `Jᵀ J` with unit diagonal; 0 begins with Gauss–Newton.
     pub initial_damping: f64,
     /// Iterations after which the run is given up.
     pub max_iterations: u64,
@@ -99,7 +99,7 @@ impl Convergence {
 /// One accepted step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IterationRecord {
-    /// $½|r|^2$ after the step.
+    /// `½|r|²` after the step.
     pub cost: f64,
     /// Largest number of the step, in the units of the unknowns.
     pub step: f64,
@@ -116,7 +116,7 @@ pub struct LeastSquaresSolution {
     pub residual: DVector<f64>,
     /// The Jacobian there.
     pub jacobian: DMatrix<f64>,
-    /// $½|r|^2$ at the start.
+    /// `½|r|²` at the start.
     pub initial_cost: f64,
     /// Accepted steps in order.
     pub history: Vec<IterationRecord>,
@@ -132,7 +132,7 @@ pub enum SolveError {
     NoConvergence {
         /// Accepted steps.
         iterations: usize,
-        /// $½|r|^2$ at the end.
+        /// `½|r|²` at the end.
         cost: f64,
         /// Largest number of the last step.
         step: f64,

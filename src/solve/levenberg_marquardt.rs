@@ -8,20 +8,20 @@ use super::linear::{LinearMethod, LinearStep, measure, relative_size, slope, sol
 use super::state::SolverState;
 use super::{LeastSquaresOptions, LeastSquaresProblem};
 
-/// Damped Gauss–Newton: $\min_δ |J δ + r|^2 + λ |D δ|^2$ with $D$ the lengths of the columns of $J$.
+/// Damped Gauss–Newton: `min_δ |J δ + r|² + λ |D δ|²` with `D` the lengths of the columns of `J`.
 ///
 /// # Requirements on the problem
 /// [`LeastSquaresProblem`]; the residual may have no value away from the start, the step is then shortened.
 ///
 /// # Method
-/// A step is accepted if it reduces the cost. With $ρ$ = actual over predicted reduction, $λ$ is multiplied by
-/// $\max(1/3, 1 - (2ρ - 1)^3)$ after an accepted step and by 2, 4, 8, … after rejected ones (Nielsen 1999).
+/// A step is accepted if it reduces the cost. With `ρ` = actual over predicted reduction, `λ` is multiplied by
+/// `max(1/3, 1 - (2ρ - 1)³)` after an accepted step and by 2, 4, 8, … after rejected ones (Nielsen 1999).
 /// With `initial_damping = 0` the first steps are plain Gauss–Newton until one fails. Convergence is only
 /// declared on the undamped step, so that a run that creeps under heavy damping does not pass for one that
 /// has arrived; the last step is computed by QR.
 ///
 /// Three things keep it from going astray or stopping early:
-/// - $D$ remembers longer columns and forgets them slowly. A column that becomes short would otherwise free its
+/// - `D` remembers longer columns and forgets them slowly. A column that becomes short would otherwise free its
 ///   unknown to run away (Moré 1978 keeps the longest for good, which stalls after a start with huge columns).
 /// - A step across which a column all but vanishes is rejected, even if it reduces the cost: it leads to a
 ///   plateau where the residual no longer tells that unknown, and no later step would find back.
@@ -44,7 +44,7 @@ const FIRST_DAMPING_AFTER_FAILURE: f64 = 1e-4;
 const NO_DAMPING_BELOW: f64 = 1e-14;
 const HOPELESS_DAMPING: f64 = 1e30;
 const ROUNDING_DAMPING: f64 = 1e-12;
-/// The part of a longer column's length that $D$ keeps from one step to the next.
+/// The part of a longer column's length that `D` keeps from one step to the next.
 const SCALE_MEMORY: f64 = 0.8;
 /// A column that one step shortens to less than this part has vanished.
 const VANISHED: f64 = 1e-4;

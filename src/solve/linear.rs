@@ -1,11 +1,11 @@
-//! One linear least-squares step, $\min_δ |J δ + r|^2 + λ |D δ|^2$, in two ways.
+//! One linear least-squares step, `min_δ |J δ + r|² + λ |D δ|²`, in two ways.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// How a step is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LinearMethod {
-    /// Householder QR of the stacked $[J; \sqrt{λ} D]$: the condition of $J$ is not squared.
+    /// Householder QR of the stacked `[J; √λ D]`: the condition of `J` is not squared.
     Qr,
     /// Cholesky of the normal equations with columns scaled to length one, three times as fast. It is used
     /// while the scaled pivots stay above 1e-9; below, and for the last step, QR takes over.
@@ -16,9 +16,9 @@ pub enum LinearMethod {
 /// A step, and which way it was computed.
 #[derive(Clone, Debug)]
 pub struct LinearStep {
-    /// $δ$.
+    /// `δ`.
     pub delta: DVector<f64>,
-    /// Length of $J δ$: how far the residual moves, in units of the residual.
+    /// Length of `J δ`: how far the residual moves, in units of the residual.
     pub moved: f64,
     /// True if it came from QR.
     pub by_qr: bool,

@@ -14,7 +14,7 @@
 //! **Which one.** Levenberg–Marquardt is the default everywhere. It begins with plain Gauss–Newton steps if
 //! [`LeastSquaresOptions::initial_damping`] is 0, which suits a calibration that starts at the nominal
 //! geometry, and damps as soon as a step fails. Gauss–Newton by QR is the paper's iteration. argmin's built-in
-//! solver forms $(J^T J)^{-1}$, which squares the condition of $J$; it stays as an independent check.
+//! solver forms `(Jᵀ J)⁻¹`, which squares the condition of `J`; it stays as an independent check.
 //!
 //! References: Nocedal and Wright, *Numerical Optimization*, chapters 10 and 11; Moré 1978 (scaling by
 //! column norms); Nielsen 1999 (the update of the damping).

@@ -1,8 +1,8 @@
 //! Newton's method for six equations in six unknowns, with static sizes.
 //!
-//! Problem: find $p$ with $f(p) = 0$, $f: P → R^6$, where $P$ need not be a vector space (a pose is not). The
-//! step $δ$ solves $J δ = -f$ by LU (eq. 11 of the paper, which writes the inverse); [`NewtonProblem::step`]
-//! carries it out on $P$. A step is halved while it does not reduce $|f|$, at most twenty times.
+//! Problem: find `p` with `f(p) = 0`, `f: P → R⁶`, where `P` need not be a vector space (a pose is not). The
+//! step `δ` solves `J δ = -f` by LU (eq. 11 of the paper, which writes the inverse); [`NewtonProblem::step`]
+//! carries it out on `P`. A step is halved while it does not reduce `|f|`, at most twenty times.
 
 use argmin::core::{Executor, KV, Problem, Solver, State, TerminationReason, TerminationStatus};
 use nalgebra::{LU, Matrix6, U6, Vector6};
@@ -15,7 +15,7 @@ pub trait NewtonProblem {
     /// Where the unknown lives.
     type Point: Clone;
 
-    /// The residual $f$ and its Jacobian along the coordinates that [`step`](Self::step) takes.
+    /// The residual `f` and its Jacobian along the coordinates that [`step`](Self::step) takes.
     fn linearize(&mut self, point: &Self::Point, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>);
 
     /// The point after the step `delta`.
@@ -118,7 +118,7 @@ impl Newton {
         }
     }
 
-    /// The step $-J^{-1} f$, or `None` where $J$ is singular or not finite.
+    /// The step `-J⁻¹ f`, or `None` where `J` is singular or not finite.
     fn full_step(&mut self) -> Option<Vector6<f64>> {
         let lu: LU<f64, U6, U6> = self.jacobian.lu();
         let pivots = lu.u().diagonal();

@@ -41,7 +41,7 @@ pub(crate) const MODELS: [(&str, Value, Gradient); 27] = [
     ("Bennett5", bennett5, bennett5_gradient),
 ];
 
-/// $b_1 (1 - e^{-b_2 x})$.
+/// `b₁ (1 - e^(-b₂ x))`.
 fn saturation(b: &[f64], x: &[f64]) -> f64 {
     -b[0] * (-b[1] * x[0]).exp_m1()
 }
@@ -51,7 +51,7 @@ fn saturation_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![-t.exp_m1(), b[0] * x[0] * t.exp()]
 }
 
-/// $b_1 (1 - (1 + b_2 x / 2)^{-2})$.
+/// `b₁ (1 - (1 + b₂ x / 2)^(-2))`.
 fn misra1b(b: &[f64], x: &[f64]) -> f64 {
     b[0] * (1.0 - (1.0 + 0.5 * b[1] * x[0]).powi(-2))
 }
@@ -61,7 +61,7 @@ fn misra1b_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![1.0 - u.powi(-2), b[0] * x[0] * u.powi(-3)]
 }
 
-/// $b_1 (1 - (1 + 2 b_2 x)^{-1/2})$.
+/// `b₁ (1 - (1 + 2 b₂ x)^(-1/2))`.
 fn misra1c(b: &[f64], x: &[f64]) -> f64 {
     b[0] * (1.0 - (1.0 + 2.0 * b[1] * x[0]).powf(-0.5))
 }
@@ -71,7 +71,7 @@ fn misra1c_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![1.0 - u.powf(-0.5), b[0] * x[0] * u.powf(-1.5)]
 }
 
-/// $b_1 b_2 x / (1 + b_2 x)$.
+/// `b₁ b₂ x / (1 + b₂ x)`.
 fn misra1d(b: &[f64], x: &[f64]) -> f64 {
     b[0] * b[1] * x[0] / (1.0 + b[1] * x[0])
 }
@@ -81,7 +81,7 @@ fn misra1d_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![b[1] * x[0] / u, b[0] * x[0] / (u * u)]
 }
 
-/// $e^{-b_1 x} / (b_2 + b_3 x)$.
+/// `e^(-b₁ x) / (b₂ + b_3 x)`.
 fn chwirut(b: &[f64], x: &[f64]) -> f64 {
     (-b[0] * x[0]).exp() / (b[1] + b[2] * x[0])
 }
@@ -91,7 +91,7 @@ fn chwirut_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![-x[0] * v, -v / d, -x[0] * v / d]
 }
 
-/// $b_1 e^{-b_2 x} + b_3 e^{-b_4 x} + b_5 e^{-b_6 x}$.
+/// `b₁ e^(-b₂ x) + b_3 e^(-b_4 x) + b_5 e^(-b_6 x)`.
 fn lanczos(b: &[f64], x: &[f64]) -> f64 {
     b.chunks(2).map(|term| term[0] * (-term[1] * x[0]).exp()).sum()
 }
@@ -104,7 +104,7 @@ fn lanczos_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     b.chunks(2).flat_map(term).collect()
 }
 
-/// $b_1 e^{-b_2 x} + b_3 e^{-(x - b_4)^2 / b_5^2} + b_6 e^{-(x - b_7)^2 / b_8^2}$.
+/// `b₁ e^(-b₂ x) + b_3 e^(-(x - b_4)² / b_5²) + b_6 e^(-(x - b_7)² / b_8²)`.
 fn gauss(b: &[f64], x: &[f64]) -> f64 {
     let peaks: f64 = b[2..].chunks(3).map(|p| p[0] * (-((x[0] - p[1]) / p[2]).powi(2)).exp()).sum();
     b[0] * (-b[1] * x[0]).exp() + peaks
@@ -120,7 +120,7 @@ fn gauss_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     [decay, -b[0] * x[0] * decay].into_iter().chain(b[2..].chunks(3).flat_map(peak)).collect()
 }
 
-/// $b_1 x^{b_2}$.
+/// `b₁ x^(b₂)`.
 fn dan_wood(b: &[f64], x: &[f64]) -> f64 {
     b[0] * x[0].powf(b[1])
 }
@@ -137,7 +137,7 @@ fn fraction(b: &[f64], x: f64) -> (f64, f64, usize) {
     (horner(&b[..count]), 1.0 + x * horner(&b[count..]), count)
 }
 
-/// $(b_1 + b_2 x + … + b_k x^{k-1}) / (1 + b_{k+1} x + … + b_{2k-1} x^{k-1})$.
+/// `(b₁ + b₂ x + … + bₖ x^(k-1)) / (1 + bₖ+1 x + … + b_2k-1 x^(k-1))`.
 fn rational(b: &[f64], x: &[f64]) -> f64 {
     let (numerator, denominator, _) = fraction(b, x[0]);
     numerator / denominator
@@ -151,7 +151,7 @@ fn rational_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     above.chain(below).collect()
 }
 
-/// $b_1 - b_2 x_1 e^{-b_3 x_2}$; it predicts the logarithm of the response.
+/// `b₁ - b₂ x₁ e^(-b_3 x₂)`; it predicts the logarithm of the response.
 fn nelson(b: &[f64], x: &[f64]) -> f64 {
     b[0] - b[1] * x[0] * (-b[2] * x[1]).exp()
 }
@@ -161,7 +161,7 @@ fn nelson_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![1.0, -e, b[1] * x[1] * e]
 }
 
-/// $b_1 + b_2 e^{-b_4 x} + b_3 e^{-b_5 x}$.
+/// `b₁ + b₂ e^(-b_4 x) + b_3 e^(-b_5 x)`.
 fn mgh17(b: &[f64], x: &[f64]) -> f64 {
     b[0] + b[1] * (-b[3] * x[0]).exp() + b[2] * (-b[4] * x[0]).exp()
 }
@@ -171,7 +171,7 @@ fn mgh17_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![1.0, e, f, -b[1] * x[0] * e, -b[2] * x[0] * f]
 }
 
-/// $b_1 - b_2 x - \arctan(b_3 / (x - b_4)) / π$.
+/// `b₁ - b₂ x - \arctan(b_3 / (x - b_4)) / π`.
 fn roszman1(b: &[f64], x: &[f64]) -> f64 {
     b[0] - b[1] * x[0] - (b[2] / (x[0] - b[3])).atan() / PI
 }
@@ -182,7 +182,7 @@ fn roszman1_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![1.0, -x[0], -u / d, -b[2] / d]
 }
 
-/// A year's cycle and two of unknown periods $b_4$ and $b_7$.
+/// A year's cycle and two of unknown periods `b_4` and `b_7`.
 fn enso(b: &[f64], x: &[f64]) -> f64 {
     let wave = |period: f64, c: f64, s: f64| c * (TAU * x[0] / period).cos() + s * (TAU * x[0] / period).sin();
     b[0] + wave(12.0, b[1], b[2]) + wave(b[3], b[4], b[5]) + wave(b[6], b[7], b[8])
@@ -198,7 +198,7 @@ fn enso_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     [1.0, cos, sin].into_iter().chain(b[3..].chunks(3).flat_map(wave)).collect()
 }
 
-/// $b_1 (x^2 + b_2 x) / (x^2 + b_3 x + b_4)$.
+/// `b₁ (x² + b₂ x) / (x² + b_3 x + b_4)`.
 fn mgh09(b: &[f64], x: &[f64]) -> f64 {
     b[0] * x[0] * (x[0] + b[1]) / (x[0] * (x[0] + b[2]) + b[3])
 }
@@ -208,7 +208,7 @@ fn mgh09_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![x * (x + b[1]) / d, b[0] * x / d, -x * v / d, -v / d]
 }
 
-/// $b_1 e^{b_2 / (x + b_3)}$.
+/// `b₁ e^(b₂ / (x + b_3))`.
 fn mgh10(b: &[f64], x: &[f64]) -> f64 {
     b[0] * (b[1] / (x[0] + b[2])).exp()
 }
@@ -219,7 +219,7 @@ fn mgh10_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![e, b[0] * e / u, -b[0] * e * b[1] / (u * u)]
 }
 
-/// $b_1 / (1 + e^{b_2 - b_3 x})$.
+/// `b₁ / (1 + e^(b₂ - b_3 x))`.
 fn rat42(b: &[f64], x: &[f64]) -> f64 {
     b[0] / (1.0 + (b[1] - b[2] * x[0]).exp())
 }
@@ -230,7 +230,7 @@ fn rat42_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![grown, -slope, x[0] * slope]
 }
 
-/// $b_1 / (1 + e^{b_2 - b_3 x})^{1/b_4}$.
+/// `b₁ / (1 + e^(b₂ - b_3 x))^(1/b_4)`.
 fn rat43(b: &[f64], x: &[f64]) -> f64 {
     b[0] / (1.0 + (b[1] - b[2] * x[0]).exp()).powf(1.0 / b[3])
 }
@@ -242,7 +242,7 @@ fn rat43_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![grown, -slope, x[0] * slope, b[0] * grown * e.ln_1p() / (b[3] * b[3])]
 }
 
-/// $(b_1 / b_2) e^{-((x - b_3) / b_2)^2 / 2}$.
+/// `(b₁ / b₂) e^(-((x - b_3) / b₂)² / 2)`.
 fn eckerle4(b: &[f64], x: &[f64]) -> f64 {
     b[0] / b[1] * (-0.5 * ((x[0] - b[2]) / b[1]).powi(2)).exp()
 }
@@ -252,7 +252,7 @@ fn eckerle4_gradient(b: &[f64], x: &[f64]) -> Vec<f64> {
     vec![(-0.5 * z * z).exp() / b[1], v * (z * z - 1.0) / b[1], v * z / b[1]]
 }
 
-/// $b_1 (b_2 + x)^{-1/b_3}$.
+/// `b₁ (b₂ + x)^(-1/b_3)`.
 fn bennett5(b: &[f64], x: &[f64]) -> f64 {
     b[0] * (b[1] + x[0]).powf(-1.0 / b[2])
 }
