@@ -152,9 +152,17 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, UnitError
     Ok(Unit::of(dimension, name)?.to_si(value))
 }
 
+/// A probability as `= 0.038` or, where it is too small to mean anything, `< 1e-300`.
+pub fn show_probability(p: f64) -> String {
+    if p < 1e-300 { "< 1e-300".into() } else { format!("= {}", three_digits(p)) }
+}
+
 /// A length as people read it: `1.25 mm`, `0.83 um`.
 pub fn show_length(metres: f64) -> String {
     let size = metres.abs();
+    if size > 0.0 && size < 1e-12 {
+        return "< 0.001 nm".into();
+    }
     let (factor, name) = match size {
         s if s >= 1.0 => (1.0, "m"),
         s if s >= 1e-4 => (1e3, "mm"),
@@ -169,6 +177,8 @@ pub fn show_angle(radians: f64) -> String {
     let degrees = radians.to_degrees();
     if degrees.abs() >= 0.01 {
         format!("{} deg", three_digits(degrees))
+    } else if degrees != 0.0 && degrees.abs() < 1e-10 {
+        "< 1e-6 arcsec".into()
     } else {
         format!("{} arcsec", three_digits(degrees * 3600.0))
     }

@@ -6,12 +6,14 @@ mod common;
 use std::sync::Arc;
 
 use common::{data, errors_of, machine, paper_noise, true_mechanism, workspace};
-use paracal::identification::{Calibration, CalibrationOptions, LevenbergMarquardt, calibrate, register};
+use paracal::identification::{
+    Calibration, CalibrationOptions, Holdout, LevenbergMarquardt, calibrate, pose_covariance, register,
+};
 use paracal::measurement::{Dataset, Frames, PoseMeasurement, PoseReading, Sample};
 use paracal::mechanism::Mechanism;
 use paracal::nalgebra::{Rotation3, Unit, Vector3};
 use paracal::pose::{Pose, PoseConvention};
-use paracal::simulation::{as_dataset, simulate};
+use paracal::simulation::{as_dataset, draw_parameters, simulate};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -167,4 +169,86 @@ fn small_workspaces_and_partial_readings_are_registered_too() {
     let held = result.held_out.unwrap().rms.position.unwrap();
     assert!(held < 4e-6, "{held:.2e}");
     assert!(result.verdict.trusted, "{:?}", result.verdict);
+}
+
+/// RMS over poses of a larger box of the position error over its predicted σ, for campaigns in small boxes whose
+/// tracker and target stand where `frames` says; errors of the mechanism are drawn anew for each.
+fn error_over_sigma(frames: &Frames, draws: u64) -> f64 {
+    let m = machine("table5");
+    let nominal = m.mechanism.as_ref();
+    let (small, large) = (workspace(nominal, 10.0, 0.5), workspace(nominal, 50.0, 5.0));
+    let at = paracal::conditions::Conditions::unknown();
+    let ratios = paracal::simulation::monte_carlo(draws, 41, |k, rng| {
+        let truth = nominal.with_values(&draw_parameters(nominal, None, rng), nominal.home()).unwrap();
+        let poses: Vec<Pose> = (0..24).map(|_| small.random(rng)).collect();
+        let run = simulate(nominal, truth.as_ref(), &poses, &small.convention, &paper_noise(), rng).unwrap();
+        let samples: Vec<Sample> = as_dataset(&run, &small.convention, &paper_noise()).iter().cloned().collect();
+        let went: Vec<Pose> = run.iter().map(|s| s.truth).collect();
+        let data = seen_from(&samples, &went, frames, k);
+        let options = CalibrationOptions { holdout: Holdout::None, ..CalibrationOptions::default() };
+        let result = calibrate(nominal, &data, Some(&small), &LevenbergMarquardt::default(), &options).unwrap();
+        assert!(result.verdict.trusted, "{:?}", result.verdict);
+        let model = result.mechanism.as_ref();
+        let ratio = |_: usize| {
+            let joints = nominal.inverse(nominal.values(), &large.random(rng), &at).unwrap();
+            let real = frames.measured(&truth.forward(truth.values(), &joints, &at, &nominal.home()).unwrap());
+            let predicted = model.forward(model.values(), &joints, &at, &model.home()).unwrap();
+            let spread = pose_covariance(model, &result.covariance, &joints, &predicted, &at).unwrap();
+            let variance = spread.fixed_view::<3, 3>(0, 0).trace();
+            (real.position - predicted.position).norm() / variance.sqrt()
+        };
+        common::rms((0..10).map(ratio))
+    });
+    common::rms(ratios)
+}
+
+#[test]
+fn predicted_errors_hold_wherever_tracker_and_target_stand() {
+    let shifted = Frames {
+        base: turned(Vector3::new(0.2, -1.0, 0.4), 0.1, Vector3::new(0.002, -0.001, 0.002)),
+        target: turned(Vector3::new(1.0, 0.3, -0.2), 0.1, Vector3::new(-0.001, 0.002, 0.001)),
+    };
+    let far = far_frames(Vector3::new(0.2, 0.9, -0.4), 120.0);
+    let tracker_only = Frames { base: far.base, target: Pose::identity() };
+    for (name, frames) in
+        [("base frame", Frames::default()), ("a little off", shifted), ("far", far), ("tracker only", tracker_only)]
+    {
+        let ratio = error_over_sigma(&frames, 30);
+        // Thirty campaigns of a dozen poorly known directions each; too small a ratio is caution, too large a lie.
+        assert!((0.6..1.25).contains(&ratio), "{name}: {ratio:.3}");
+    }
+}
+
+#[test]
+fn a_pivot_is_the_point_that_positions_state() {
+    use paracal::pose::RotationOrder;
+    let m = machine("table5");
+    let nominal = m.mechanism.as_ref();
+    let real = true_mechanism(nominal);
+    let pivot = Vector3::new(0.05, -0.03, -2.7);
+    let convention = PoseConvention { order: RotationOrder::Xyz, pivot };
+    let space = workspace(nominal, 100.0, 10.0);
+    let mut rng = ChaCha8Rng::seed_from_u64(51);
+    let poses: Vec<Pose> = (0..60).map(|_| space.random(&mut rng)).collect();
+    let run = simulate(nominal, real.as_ref(), &poses, &convention, &paper_noise(), &mut rng).unwrap();
+    let (p, r) = (1e-6, 1e-4_f64.to_radians());
+    for missing in [vec![], vec![3, 4, 5], vec![5]] {
+        let mut measured = [true; 6];
+        missing.iter().for_each(|k| measured[*k] = false);
+        let reading = |s: &paracal::simulation::SimulatedSample| PoseReading {
+            values: s.measured,
+            measured,
+            sigma: [p, p, p, r, r, r],
+        };
+        let model = PoseMeasurement::new(convention, run.iter().map(reading).collect());
+        let samples: Vec<Sample> = as_dataset(&run, &convention, &paper_noise()).iter().cloned().collect();
+        let data = Dataset::new(samples, Arc::new(model), paper_noise());
+        assert!(!register(nominal, &data).unwrap().applied, "without {missing:?}");
+        let options = CalibrationOptions::default();
+        let result = calibrate(nominal, &data, Some(&space), &LevenbergMarquardt::default(), &options).unwrap();
+        assert!(result.verdict.trusted, "without {missing:?}: {:?}", result.verdict);
+        let held = result.held_out.unwrap().rms.position.unwrap();
+        // A 2.7 m arm carries the attitude's error into the position.
+        assert!(held < 8e-6, "without {missing:?}: {held:.2e}");
+    }
 }

@@ -150,7 +150,7 @@ fn target_data(c: &Campaign, known: bool, moved: &Pose) -> (Dataset, Arc<TargetM
         TARGETS.iter().map(|t| [0, 1, 2].map(|k| Some(place(t)[k] + noise()))).collect()
     };
     let readings = c.run.iter().map(&mut row).collect();
-    let model = Arc::new(TargetMeasurement::new(targets.collect(), readings, 1e-6));
+    let model = Arc::new(TargetMeasurement::new(targets.collect(), readings, vec![[1e-6; 3]; c.run.len()]));
     (Dataset::new(c.samples.clone(), model.clone(), Noise::stated(1e-6, 1e-6)), model)
 }
 

@@ -7,6 +7,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use paracal::files::{Machine, Measurement, read_measurement, read_parameter_errors, read_poses};
+use paracal::measurement::Frames;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use tempfile::TempDir;
@@ -300,7 +301,7 @@ proptest! {
         match in_time(move || Machine::from_text(&text, path))? {
             Err(error) => check_message(&error, path)?,
             Ok(machine) => {
-                let written = machine.document_of(machine.mechanism.as_ref(), machine.workspace.as_ref(), &[]);
+                let written = machine.document_of(machine.mechanism.as_ref(), machine.workspace.as_ref(), &[], &Frames::default());
                 let written = written.unwrap().to_text();
                 let again = Machine::from_text(&written, path);
                 prop_assert!(again.is_ok(), "{}\n{written}", again.unwrap_err());

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use super::document::{HomeSection, LegEntry, MechanismDocument, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
 use super::mechanism_reader::{Reader, build};
-use crate::measurement::{Noise, TargetPoint};
+use crate::measurement::{Frames, Noise, TargetPoint};
 use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
@@ -82,7 +82,8 @@ impl Machine {
     }
 
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
-    /// whose places were identified. Sections that do not change are kept.
+    /// whose places were identified. `frames` are those that `mechanism` was carried into; what the file states on the
+    /// platform goes along. Other sections are kept.
     ///
     /// # Errors
     /// [`FileError::Value`] for a mechanism of another kind.
@@ -91,6 +92,7 @@ impl Machine {
         mechanism: &dyn Mechanism,
         workspace: Option<&Workspace>,
         targets: &[TargetPoint],
+        frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
         let Some(legs) = (mechanism as &dyn Any).downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
             return Err(FileError::Value {
@@ -132,6 +134,16 @@ impl Machine {
         if let Some(w) = workspace {
             let (position, rotation) = six(w.half);
             document.workspace = Some(WorkspaceSection { position, rotation });
+        }
+        // What is stated on the platform moves with the platform frame.
+        let onto_target = frames.target.inverse();
+        let moved = |p: &mut [f64; 3]| {
+            *p = point(&onto_target.place(&Vector3::from_column_slice(p).map(|v| self.length_unit.to_si(v))));
+        };
+        if frames.target != Pose::identity() {
+            let platform = document.platform.iter_mut();
+            platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
+            document.targets.iter_mut().flat_map(|t| &mut t.platform).for_each(moved);
         }
         if !targets.is_empty() {
             let entry =

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::column::{Meaning, POSE_NAMES};
+use super::column::Meaning;
 use super::error::FileError;
 use super::machine::Machine;
 use super::table::Table;
@@ -54,7 +54,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
             Arc::new(PoseMeasurement::new(machine.convention, readings))
         }
         (false, true) => {
-            let targets = Arc::new(target_readings(&table, machine, &noise)?);
+            let targets = Arc::new(target_readings(&table, machine, &mut noise)?);
             measured_targets = Some(Arc::clone(&targets));
             targets
         }
@@ -159,7 +159,6 @@ fn ignored_columns(table: &Table) -> Vec<usize> {
 }
 
 fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<Vec<PoseReading>, FileError> {
-    let header = |problem: &str| FileError::Header { path: table.path.clone(), problem: problem.into() };
     let quaternion = table.quaternion_columns()?;
     let mut every_sigma = true;
     let mut readings = Vec::with_capacity(table.rows.len());
@@ -176,14 +175,7 @@ fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<
                     }
                 }
                 Meaning::Sigma(k) => {
-                    if let Some(sigma) = table.number(row, column)? {
-                        if sigma <= 0.0 {
-                            return Err(table.cell_error(
-                                row,
-                                column,
-                                "must be positive; leave the cell empty if it is not known",
-                            ));
-                        }
+                    if let Some(sigma) = positive_sigma(table, row, column)? {
                         reading.sigma[k] = sigma;
                         has_sigma[k] = true;
                     }
@@ -198,20 +190,11 @@ fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<
         every_sigma &= (0..6).all(|k| has_sigma[k] || !reading.measured[k]);
         readings.push(reading);
     }
-    let some_sigma = table.columns.iter().any(|c| matches!(c.meaning, Meaning::Sigma(_)));
-    if some_sigma && !noise.known {
-        if !every_sigma {
-            return Err(header(&format!(
-                "states sigma for a part of {}, and the mechanism file has no [noise] for the rest",
-                POSE_NAMES.join(", ")
-            )));
-        }
-        noise.known = true;
-    }
+    noise_from_sigma(table, noise, every_sigma)?;
     Ok(readings)
 }
 
-fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<TargetMeasurement, FileError> {
+fn target_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<TargetMeasurement, FileError> {
     let mut targets: Vec<TargetPoint> = Vec::new();
     for column in &table.columns {
         if let Meaning::Target(name, _) = &column.meaning
@@ -222,6 +205,8 @@ fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<Ta
         }
     }
     let mut readings = Vec::with_capacity(table.rows.len());
+    let mut sigmas = Vec::with_capacity(table.rows.len());
+    let mut every_sigma = true;
     for row in 0..table.rows.len() {
         let mut cells = vec![[None; 3]; targets.len()];
         for (k, column) in table.columns.iter().enumerate() {
@@ -231,11 +216,48 @@ fn target_readings(table: &Table, machine: &Machine, noise: &Noise) -> Result<Ta
                 cells[t][*axis] = table.number(row, k)?;
             }
         }
+        let (mut sigma, mut has_sigma) = ([noise.position; 3], [false; 3]);
+        for (k, column) in table.columns.iter().enumerate() {
+            let Meaning::Sigma(axis) = column.meaning else { continue };
+            if axis >= 3 {
+                return Err(table.cell_error(row, k, "is the sigma of an angle; targets have positions only"));
+            }
+            if let Some(s) = positive_sigma(table, row, k)? {
+                sigma[axis] = s;
+                has_sigma[axis] = true;
+            }
+        }
+        every_sigma &= has_sigma == [true; 3];
+        sigmas.push(sigma);
         readings.push(cells);
     }
     if readings.iter().flatten().flatten().all(Option::is_none) {
         let problem = "no cell of the measured targets is filled; there is nothing to compare with".into();
         return Err(FileError::Header { path: table.path.clone(), problem });
     }
-    Ok(TargetMeasurement::new(targets, readings, noise.position))
+    noise_from_sigma(table, noise, every_sigma)?;
+    Ok(TargetMeasurement::new(targets, readings, sigmas))
+}
+
+/// 1σ in a cell; `None` if it is empty.
+fn positive_sigma(table: &Table, row: usize, column: usize) -> Result<Option<f64>, FileError> {
+    let sigma = table.number(row, column)?;
+    if sigma.is_some_and(|s| s <= 0.0) {
+        let advice = "must be positive; leave the cell empty if it is not known";
+        return Err(table.cell_error(row, column, advice));
+    }
+    Ok(sigma)
+}
+
+/// Noise that the mechanism file does not state is known if the sigma columns state it for every reading.
+fn noise_from_sigma(table: &Table, noise: &mut Noise, every_sigma: bool) -> Result<(), FileError> {
+    let stated = table.columns.iter().any(|c| matches!(c.meaning, Meaning::Sigma(_)));
+    if stated && !noise.known {
+        if !every_sigma {
+            let problem = "states sigma for a part of the readings, and the mechanism file has no [noise] for the rest";
+            return Err(FileError::Header { path: table.path.clone(), problem: problem.into() });
+        }
+        noise.known = true;
+    }
+    Ok(())
 }

@@ -7,15 +7,15 @@ use rand::rngs::ChaCha8Rng;
 use super::errors_of_model::{ErrorSummary, evaluate};
 use super::held_out::held_out;
 use super::prediction::{PredictedError, predicted_errors};
+use super::verdict::{Verdict, judge, with_warnings};
 use super::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 use super::{
-    Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy, Registration,
-    Task, Weights, plausibility, register,
+    Convention, Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
+    Registration, Task, Weights, frames_differ, plausibility, register,
 };
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Body, Mechanism, Workspace};
-use crate::pose::{Pose, PoseConvention};
-use crate::units::shortened;
+use crate::pose::PoseConvention;
 
 /// What is asked of a calibration.
 #[derive(Clone, Debug)]
@@ -28,23 +28,20 @@ pub struct CalibrationOptions {
     pub holdout: Holdout,
     /// Seed of the folds and of the poses at which errors are predicted.
     pub seed: u64,
+    /// Whose pivot is meant by the position of a pose, where there is no workspace that says so.
+    pub convention: PoseConvention,
 }
 
 impl Default for CalibrationOptions {
     fn default() -> Self {
-        Self { prior: PriorPolicy::Auto, weights: Weights::Noise, holdout: Holdout::Folds(5), seed: 0 }
+        Self {
+            prior: PriorPolicy::Auto,
+            weights: Weights::Noise,
+            holdout: Holdout::Folds(5),
+            seed: 0,
+            convention: PoseConvention::default(),
+        }
     }
-}
-
-/// May the result be used?
-#[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
-    /// True if nothing speaks against it.
-    pub trusted: bool,
-    /// What speaks against it, one sentence each.
-    pub reasons: Vec<String>,
-    /// What the user should know although it does not forbid the use.
-    pub warnings: Vec<String>,
 }
 
 /// A calibrated mechanism and how far to trust it.
@@ -80,8 +77,6 @@ pub struct Calibration {
     pub verdict: Verdict,
 }
 
-/// A misfit this unlikely is not chance.
-const MISFIT: f64 = 1e-6;
 const PREDICTED_POSES: usize = 200;
 
 /// Calibrates `mechanism` with `data`.
@@ -95,18 +90,23 @@ pub fn calibrate(
     identifier: &dyn Identifier,
     options: &CalibrationOptions,
 ) -> Result<Calibration, IdentifyError> {
-    let mut registration = register(mechanism, data)?;
-    if !data.model().has_target_frame() {
-        registration.frames.target = Pose::identity();
-    }
+    let registration = register(mechanism, data)?;
     let frames = registration.frames;
     let aligned = data.with_frames(frames);
-    let task = Task { prior: options.prior, weights: options.weights, ..Task::new(mechanism, &aligned) };
-    let (found, converged) = match identifier.identify(&task) {
-        Ok(found) => (found, true),
-        Err(IdentifyError::NotConverged { last, .. }) => (*last, false),
-        Err(error) => return Err(error),
+    let convention = if frames.is_identity() { Convention::Stated } else { Convention::Free };
+    let mut task =
+        Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
+    let identify = |task: &Task<'_>| match identifier.identify(task) {
+        Ok(found) => Ok((found, true)),
+        Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
+        Err(error) => Err(error),
     };
+    let (mut found, mut converged) = identify(&task)?;
+    if found.prior && convention == Convention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
+        // The tracker or the target is a little off: too little to be registered, too much for the tolerances.
+        task.convention = Convention::Free;
+        (found, converged) = identify(&task)?;
+    }
     let (parameters, covariance) = carry(mechanism, &found, &frames);
     let values: Vec<f64> = parameters[..found.mechanism_parameters].iter().map(|p| p.value).collect();
     let calibrated = mechanism.with_values(&values, frames.measured(&mechanism.home()))?;
@@ -119,15 +119,24 @@ pub fn calibrate(
         holdout => held_out(identifier, &task, holdout, options.seed)?,
     };
     let spectrum = DataSpectrum::at_start(&task, found.noise_scale)?;
+    let mut verdict = judge(mechanism, data, &found, converged);
+    // An absurd model, from data that were misread, may not lead from its own home to its own samples.
+    let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(
+        |cause| {
+            verdict.distrust(format!("the calibrated model does not reach its own samples ({cause})"));
+            ErrorSummary::default()
+        },
+        |errors| errors.rms(),
+    );
     let result = Calibration {
         before: evaluate(mechanism, &[], data)?.rms(),
-        after: evaluate(calibrated.as_ref(), &own, data)?.rms(),
+        after,
         held_out: held,
-        predicted: predict(mechanism, &found, workspace, &frames, options.seed)?,
+        predicted: predict(mechanism, &found, workspace, &frames, options)?,
         weak: weak_directions(mechanism, &spectrum),
         plausibility: plausibility(mechanism, &values),
         workspace: workspace.map(|w| carried_workspace(w, &frames)),
-        verdict: judge(mechanism, data, &found, converged),
+        verdict,
         mechanism: calibrated,
         parameters,
         covariance,
@@ -136,74 +145,6 @@ pub fn calibrate(
         registration,
     };
     Ok(with_warnings(result, data, &options.holdout))
-}
-
-fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, converged: bool) -> Verdict {
-    let mut reasons = Vec::new();
-    if !converged {
-        reasons.push("the iteration did not converge".into());
-    }
-    let unknowns = found.parameters.len();
-    if found.rank < unknowns {
-        let missing = unknowns - found.rank;
-        reasons.push(format!(
-            "the poses leave {missing} of {unknowns} parameter directions undetermined and there is no prior; \
-             measure other poses or state a [tolerance]"
-        ));
-    }
-    if let Some(p) = found.misfit.p_value().filter(|p| *p < MISFIT) {
-        let scale = found.misfit.scale().unwrap_or(f64::NAN);
-        reasons.push(format!(
-            "the residuals are {scale:.3} times the stated noise, which chance does not explain (p = {p:.0e}); \
-             the model misses something, the file is misread, or the noise is understated"
-        ));
-    }
-    let mut warnings = Vec::new();
-    if found.misfit.degrees_of_freedom == 0 {
-        warnings.push("every row is used up by parameters, so the fit cannot be checked against the noise".into());
-    }
-    let outside: Vec<String> =
-        data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();
-    if !outside.is_empty() {
-        warnings.push(format!("joints outside their stroke in data row {}", shortened(&outside)));
-    }
-    if !found.outliers.is_empty() {
-        let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
-        warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
-    }
-    Verdict { trusted: reasons.is_empty(), reasons, warnings }
-}
-
-fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
-    let warnings = &mut result.verdict.warnings;
-    if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: too few would be left to fit".into());
-    }
-    if result.registration.applied {
-        warnings.push(
-            "the data are in a frame of their own; the calibrated model is in the frames of the measurement \
-             (see frames)"
-                .into(),
-        );
-    }
-    let implausible = &result.plausibility.implausible;
-    if let Some(worst) = implausible.iter().max_by(|a, b| a.deviation.abs().total_cmp(&b.deviation.abs())) {
-        warnings.push(format!(
-            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} mm); \
-             a small residual with such values means that another cause hides in them",
-            implausible.len(),
-            worst.name,
-            1e3 * worst.deviation
-        ));
-    }
-    if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {
-        let scale = result.identification.noise_scale * data.noise.position;
-        warnings.push(format!(
-            "no noise is stated; it was estimated from the residuals as {:.3} um per position coordinate",
-            1e6 * scale
-        ));
-    }
-    result
 }
 
 /// Parameters and covariance in the frames of the measurement: `b' = B b`, `a' = A⁻¹ a`.
@@ -232,8 +173,11 @@ fn carry(mechanism: &dyn Mechanism, found: &Identification, frames: &Frames) -> 
         }
     }
     covariance = &map * covariance * map.transpose();
+    let known: Vec<bool> = found.parameters.iter().map(|p| p.sigma.is_some()).collect();
     for (k, p) in parameters.iter_mut().take(n).enumerate() {
-        p.sigma = p.sigma.map(|_| covariance[(k, k)].max(0.0).sqrt());
+        // A coordinate is known if all those of its point that it is turned from are.
+        let all_known = (0..n).all(|j| map[(k, j)].abs() < 1e-12 || known[j]);
+        p.sigma = all_known.then(|| covariance[(k, k)].max(0.0).sqrt());
     }
     (parameters, covariance)
 }
@@ -243,18 +187,18 @@ fn predict(
     found: &Identification,
     workspace: Option<&Workspace>,
     frames: &Frames,
-    seed: u64,
+    options: &CalibrationOptions,
 ) -> Result<Option<PredictedError>, IdentifyError> {
-    if found.rank < found.parameters.len() {
+    if found.parameters.iter().any(|p| p.sigma.is_none()) {
         return Ok(None);
     }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
     let (poses, convention) = match workspace {
         Some(w) => {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
             ((0..PREDICTED_POSES).map(|_| w.random(&mut rng)).collect(), w.convention)
         }
-        None => (found.poses.clone(), PoseConvention::default()),
+        None => (found.poses.clone(), options.convention),
     };
     let pivot = frames.target.place(&convention.pivot);
     let convention = PoseConvention { pivot, ..convention };

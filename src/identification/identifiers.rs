@@ -141,7 +141,7 @@ pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<P
         return Err(IdentifyError::Empty);
     }
     let unweighted = task.weights == Weights::MillimetresAndRadians;
-    let tolerances = || Prior::from_tolerance(task.mechanism);
+    let tolerances = || Prior::from_tolerance(task.mechanism, task.convention);
     match task.prior {
         PriorPolicy::Tolerance if unweighted => return Err(IdentifyError::PriorWithoutWeights),
         PriorPolicy::Tolerance => return tolerances().map(Some),
@@ -159,5 +159,5 @@ pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<P
         return Err(IdentifyError::TooFewRows { rows, samples, unknowns, needed: unknowns.div_ceil(per_sample) });
     }
     let unseen = spectrum.unseen();
-    Ok(unseen.map(|directions| Prior::holding(task.mechanism, spectrum.scale, directions)))
+    Ok(unseen.map(|directions| Prior::holding(task.mechanism, &spectrum.scale, &directions)))
 }

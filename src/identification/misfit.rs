@@ -6,6 +6,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::problem::{CalibrationProblem, Weights};
 use super::result::linearized;
 use super::{IdentifyError, Task};
+use crate::pose::Pose;
 
 /// Test of the model against the noise.
 ///
@@ -23,12 +24,18 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// The test at `x`, without the samples at the positions `left_out`.
-    pub(super) fn at(task: &Task<'_>, x: &DVector<f64>, left_out: &[usize]) -> Result<Self, IdentifyError> {
+    /// The test at `x`, where the samples have these `poses`, without the samples at the positions `left_out`.
+    pub(super) fn at(
+        task: &Task<'_>,
+        x: &DVector<f64>,
+        poses: &[Pose],
+        left_out: &[usize],
+    ) -> Result<Self, IdentifyError> {
         let weighted = Task { weights: Weights::Noise, ..*task };
         let kept: Vec<usize> = (0..task.data.len()).filter(|k| !left_out.contains(k)).collect();
         let data = task.data.subset(&kept);
         let mut problem = CalibrationProblem::new(&Task { data: &data, ..weighted }, None, 1.0)?;
+        problem.start_from(kept.iter().map(|k| poses[*k]));
         let (mut r, mut j) = linearized(&mut problem, x)?;
         for mut column in j.column_iter_mut() {
             let norm = column.norm();

@@ -37,10 +37,11 @@ mod prospect;
 mod registration;
 mod result;
 mod robust;
+mod verdict;
 mod weak_directions;
 mod whitening;
 
-pub use calibration::{Calibration, CalibrationOptions, Verdict, calibrate};
+pub use calibration::{Calibration, CalibrationOptions, calibrate};
 pub use error::IdentifyError;
 pub use errors_of_model::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
 pub use held_out::{HeldOut, Holdout};
@@ -48,12 +49,13 @@ pub use identifiers::{IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt,
 pub use misfit::Misfit;
 pub use plausibility::{Implausible, Plausibility, plausibility};
 pub use prediction::{PredictedError, pose_covariance, predicted_errors};
-pub use prior::{DECIDED, Prior, PriorPolicy};
+pub use prior::{Convention, DECIDED, Prior, PriorPolicy, frames_differ};
 pub use problem::{CalibrationProblem, Weights};
 pub use prospect::{Prospect, prospect};
 pub use registration::{Registration, register};
 pub use result::{Estimate, Identification};
 pub use robust::{Loss, Robust};
+pub use verdict::Verdict;
 pub use weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 
 use crate::measurement::Dataset;
@@ -70,11 +72,13 @@ pub struct Task<'a> {
     pub prior: PriorPolicy,
     /// How rows are weighted.
     pub weights: Weights,
+    /// Whether the data are in the frames of the mechanism file, for a prior.
+    pub convention: Convention,
 }
 
 impl<'a> Task<'a> {
     /// Identification of `mechanism` from `data`, weighted by the noise, with a prior where it is needed.
     pub fn new(mechanism: &'a dyn Mechanism, data: &'a Dataset) -> Self {
-        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise }
+        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, convention: Convention::Stated }
     }
 }

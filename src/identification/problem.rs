@@ -167,6 +167,13 @@ impl<'a> CalibrationProblem<'a> {
         self.sample_weights = weights.iter().map(|w| w.sqrt()).collect();
     }
 
+    /// Forward kinematics of the next evaluation starts at these poses, one for each sample.
+    pub fn start_from(&mut self, poses: impl IntoIterator<Item = Pose>) {
+        for (pose, start) in self.poses.iter_mut().zip(poses) {
+            *pose = start;
+        }
+    }
+
     /// Poses that the last evaluation predicted.
     pub fn poses(&self) -> &[Pose] {
         &self.poses

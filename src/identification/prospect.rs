@@ -10,7 +10,7 @@ use super::prediction::{PredictedError, predicted_errors};
 use super::problem::CalibrationProblem;
 use super::result::{linearized, pseudo_inverse};
 use super::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
-use super::{IdentifyError, Prior, Task};
+use super::{Convention, IdentifyError, Prior, Task};
 use crate::conditions::Conditions;
 use crate::measurement::{Dataset, Noise, PoseMeasurement, Sample};
 use crate::mechanism::{Mechanism, Workspace};
@@ -63,7 +63,7 @@ pub fn prospect(
     }
     let Some((_, poses, jacobian)) = best else { return Err(IdentifyError::Empty) };
     let spectrum = DataSpectrum::of(mechanism, &jacobian);
-    let tolerances = Prior::from_tolerance(mechanism).ok();
+    let tolerances = Prior::from_tolerance(mechanism, Convention::Stated).ok();
     let prior = tolerances.filter(|_| spectrum.smallest() < super::DECIDED);
     let mut rows = jacobian;
     if let Some(prior) = &prior {

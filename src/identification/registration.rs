@@ -4,13 +4,15 @@
 //! between samples do not know `A`: `log(R_Mₙ R_M₀⁻¹) = R_B log(R_Tₙ R_T₀⁻¹)`, and
 //! displacements nearly do not: `pₙ - p₀ ≈ R_B (tₙ - t₀)`. Each gives `R_B` in closed form (Kabsch), then
 //! `R_A` is a mean and the two positions a linear problem. The best of these starts is refined by
-//! Levenberg–Marquardt on all twelve unknowns.
+//! Levenberg–Marquardt, with samples that do not fit counting less, so that a few gross errors cannot move a frame.
+//!
+//! The simplest frames that explain the data are taken: none, then a target that sits elsewhere, then both.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 
 use super::IdentifyError;
 use super::problem::sample_error;
-use crate::measurement::{Dataset, Frames};
+use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares};
@@ -22,7 +24,7 @@ pub struct Registration {
     pub frames: Frames,
     /// True if the frames are used.
     pub applied: bool,
-    /// RMS distance between measured and nominal positions before, m.
+    /// Median over the samples of the distance between measured and nominal poses (angles times the size) before, m.
     pub before: f64,
     /// The same with the frames, m.
     pub after: f64,
@@ -31,8 +33,18 @@ pub struct Registration {
 /// One sample: the nominal pose, and what was measured.
 struct Pair {
     nominal: Pose,
+    /// Measured position, and its place in the target's frame.
     point: Vector3<f64>,
+    place: Vector3<f64>,
     rotation: Option<Rotation3<f64>>,
+}
+
+/// Which frames are looked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Free {
+    Base,
+    Target,
+    Both,
 }
 
 /// Data whose nominal misfit is below this many tolerances need no registration; the parameters absorb it.
@@ -40,6 +52,9 @@ const TOLERANCES: f64 = 10.0;
 /// The same for a mechanism without tolerances, as a part of its size.
 const PART_OF_SIZE: f64 = 0.02;
 const FEWEST: usize = 3;
+/// Samples farther out than this many medians count less.
+const FAR: f64 = 3.0;
+const ROUNDS: usize = 4;
 
 /// Finds the frames of the data, if they are not near the base frame and the platform frame already.
 ///
@@ -49,66 +64,96 @@ const FEWEST: usize = 3;
 /// # Errors
 /// [`IdentifyError::Sample`] if the nominal mechanism has no pose for a sample.
 pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registration, IdentifyError> {
+    let pairs = pairs(mechanism, data)?;
+    let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
+    if pairs.len() < FEWEST {
+        return Ok(unregistered(f64::NAN));
+    }
+    let size = characteristic_length(mechanism);
+    let tolerance = mechanism.parameters().iter().filter_map(|s| s.tolerance).fold(0.0, f64::max);
+    let near = if tolerance > 0.0 { (TOLERANCES * tolerance).min(PART_OF_SIZE * size) } else { PART_OF_SIZE * size };
+    let target = data.model().target_frame();
+    let before = misfit(&pairs, &Frames::default(), size);
+    // Points at unknown places have no meaning in the platform frame until their places are found.
+    if before <= near && target != TargetFrame::Identified {
+        return Ok(unregistered(before));
+    }
+    let steps: &[Free] = if target == TargetFrame::Known { &[Free::Base] } else { &[Free::Target, Free::Both] };
+    let mut best: Option<(f64, Frames)> = None;
+    for free in steps {
+        for start in starts(&pairs, *free) {
+            let frames = refine(&pairs, start, size, *free);
+            let after = misfit(&pairs, &frames, size);
+            if best.as_ref().is_none_or(|(least, _)| after < *least) {
+                best = Some((after, frames));
+            }
+        }
+        if best.as_ref().is_some_and(|(least, _)| *least <= near) {
+            break;
+        }
+    }
+    match best {
+        Some((after, mut frames)) if after < before || target == TargetFrame::Identified => {
+            if target == TargetFrame::Identified {
+                // The identified places take the place of a target frame.
+                frames.target = Pose::identity();
+            }
+            Ok(Registration { frames, applied: !frames.is_identity(), before, after })
+        }
+        _ => Ok(unregistered(before)),
+    }
+}
+
+fn pairs(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pair>, IdentifyError> {
     let mut pairs = Vec::new();
     for k in 0..data.len() {
         let sample = data.sample(k);
         let (model, index) = data.reading(k);
         let full = model.rigid_pose(index);
-        let Some(point) = full.map(|p| p.position).or_else(|| model.point(index)) else { continue };
+        let point = model.point(index).map(|p| (p.position, p.place));
+        let Some((point, place)) = full.map(|p| (p.position, Vector3::zeros())).or(point) else { continue };
         let nominal = mechanism
             .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
             .map_err(|cause| sample_error(data, k, cause))?;
-        pairs.push(Pair { nominal, point, rotation: full.map(|p| p.rotation) });
+        pairs.push(Pair { nominal, point, place, rotation: full.map(|p| p.rotation) });
     }
-    let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
     // Attitudes are worth more than points: samples without one are left out while enough others have one.
-    let full = pairs.iter().filter(|p| p.rotation.is_some()).count();
-    if full >= FEWEST {
+    if pairs.iter().filter(|p| p.rotation.is_some()).count() >= FEWEST {
         pairs.retain(|p| p.rotation.is_some());
     }
-    if pairs.len() < FEWEST {
-        return Ok(unregistered(f64::NAN));
-    }
-    let size = characteristic_length(mechanism);
-    let before = misfit(&pairs, &Frames::default(), size);
-    let tolerance = mechanism.parameters().iter().filter_map(|s| s.tolerance).fold(0.0, f64::max);
-    let near = if tolerance > 0.0 { (TOLERANCES * tolerance).min(PART_OF_SIZE * size) } else { PART_OF_SIZE * size };
-    if before <= near {
-        return Ok(unregistered(before));
-    }
-    let best = starts(&pairs)
-        .into_iter()
-        .map(|start| refine(&pairs, start, size))
-        .map(|frames| (misfit(&pairs, &frames, size), frames))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((after, frames)) if after < before => Ok(Registration { frames, applied: true, before, after }),
-        _ => Ok(unregistered(before)),
-    }
+    Ok(pairs)
 }
 
-/// RMS of position differences and of rotation differences times `size`, together.
+/// Median over the samples of the length of [`residual`].
 fn misfit(pairs: &[Pair], frames: &Frames, size: f64) -> f64 {
-    let sum: f64 = pairs.iter().map(|p| residual(p, frames, size).norm_squared()).sum();
-    (sum / pairs.len() as f64).sqrt()
+    let mut lengths: Vec<f64> = pairs.iter().map(|p| residual(p, frames, size).norm()).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths[lengths.len() / 2]
 }
 
+/// Position difference, m, and rotation difference times `size`.
 fn residual(pair: &Pair, frames: &Frames, size: f64) -> Vector6<f64> {
     let seen = frames.measured(&pair.nominal);
-    let t = seen.position - pair.point;
+    let t = seen.place(&pair.place) - pair.point;
     let w = pair.rotation.map_or(Vector3::zeros(), |r| rotation_vector(&(seen.rotation * r.inverse())) * size);
     Vector6::new(t.x, t.y, t.z, w.x, w.y, w.z)
 }
 
 /// Closed-form starts.
-fn starts(pairs: &[Pair]) -> Vec<Frames> {
+fn starts(pairs: &[Pair], free: Free) -> Vec<Frames> {
+    if free == Free::Target {
+        return complete(pairs, Rotation3::identity(), free).into_iter().collect();
+    }
     let n = pairs.len() as f64;
-    let mean_nominal = pairs.iter().map(|p| p.nominal.position).sum::<Vector3<f64>>() / n;
+    let moved = |p: &Pair| {
+        p.nominal.position + if free == Free::Base { p.nominal.rotation * p.place } else { Vector3::zeros() }
+    };
+    let mean_nominal = pairs.iter().map(moved).sum::<Vector3<f64>>() / n;
     let mean_point = pairs.iter().map(|p| p.point).sum::<Vector3<f64>>() / n;
     let (mut by_shift, mut by_turn) = (Matrix3::zeros(), Matrix3::zeros());
     let first = &pairs[0];
     for pair in pairs {
-        by_shift += (pair.point - mean_point) * (pair.nominal.position - mean_nominal).transpose();
+        by_shift += (pair.point - mean_point) * (moved(pair) - mean_nominal).transpose();
         if let (Some(r), Some(r0)) = (pair.rotation, first.rotation) {
             let measured = rotation_vector(&(r * r0.inverse()));
             let nominal = rotation_vector(&(pair.nominal.rotation * first.nominal.rotation.inverse()));
@@ -117,25 +162,33 @@ fn starts(pairs: &[Pair]) -> Vec<Frames> {
     }
     let both = by_shift / by_shift.norm().max(f64::MIN_POSITIVE) + by_turn / by_turn.norm().max(f64::MIN_POSITIVE);
     let mut turns: Vec<Rotation3<f64>> = [both, by_turn, by_shift].iter().filter_map(rotation_from_spread).collect();
+    if free == Free::Base {
+        // The target is the platform: one sample's attitude is the whole answer.
+        turns.extend(first.rotation.map(|r| r * first.nominal.rotation.inverse()));
+    }
     turns.push(Rotation3::identity());
-    turns.into_iter().filter_map(|turn| complete(pairs, turn)).collect()
+    turns.into_iter().filter_map(|turn| complete(pairs, turn, free)).collect()
 }
 
 /// The other unknowns for a given `R_B`: `R_A` as the mean of `R_T⁻¹ R_B⁻¹ R_M`, then both positions from
-/// `pₙ = R_B tₙ + R_B R_Tₙ p_A + t_B`.
-fn complete(pairs: &[Pair], turn: Rotation3<f64>) -> Option<Frames> {
+/// `pₙ = R_B tₙ + R_B R_Tₙ (p_A + R_A place) + t_B`.
+fn complete(pairs: &[Pair], turn: Rotation3<f64>, free: Free) -> Option<Frames> {
     let mut spread = Matrix3::zeros();
-    let n = pairs.len();
-    let (mut a, mut b) = (DMatrix::zeros(3 * n, 6), DVector::zeros(3 * n));
-    for (k, pair) in pairs.iter().enumerate() {
+    for pair in pairs {
         if let Some(r) = pair.rotation {
             spread += (pair.nominal.rotation.inverse() * turn.inverse() * r).into_inner();
         }
-        a.fixed_view_mut::<3, 3>(3 * k, 0).copy_from((turn * pair.nominal.rotation).matrix());
-        a.fixed_view_mut::<3, 3>(3 * k, 3).copy_from(&Matrix3::identity());
-        b.fixed_rows_mut::<3>(3 * k).copy_from(&(pair.point - turn * pair.nominal.position));
     }
-    let turned = if spread == Matrix3::zeros() { Rotation3::identity() } else { rotation_from_spread(&spread)? };
+    let fixed = spread == Matrix3::zeros() || free == Free::Base;
+    let turned = if fixed { Rotation3::identity() } else { rotation_from_spread(&spread)? };
+    let (for_target, for_base) = (f64::from(u8::from(free != Free::Base)), f64::from(u8::from(free != Free::Target)));
+    let n = pairs.len();
+    let (mut a, mut b) = (DMatrix::zeros(3 * n, 6), DVector::zeros(3 * n));
+    for (k, pair) in pairs.iter().enumerate() {
+        a.fixed_view_mut::<3, 3>(3 * k, 0).copy_from(&((turn * pair.nominal.rotation).matrix() * for_target));
+        a.fixed_view_mut::<3, 3>(3 * k, 3).copy_from(&(Matrix3::identity() * for_base));
+        b.fixed_rows_mut::<3>(3 * k).copy_from(&(pair.point - turn * pair.nominal.place(&(turned * pair.place))));
+    }
     // Where the platform hardly turns, p_A and t_B are the same thing; the short solution is as good as any.
     let svd = a.svd(true, true);
     let x = svd.solve(&b, 1e-6 * svd.singular_values.max()).ok()?;
@@ -145,29 +198,37 @@ fn complete(pairs: &[Pair], turn: Rotation3<f64>) -> Option<Frames> {
     })
 }
 
-/// Twelve small motions about a start.
+/// Small motions of the free frames about a start.
 struct Refinement<'a> {
     pairs: &'a [Pair],
+    /// Square root of the weight of each pair.
+    weights: Vec<f64>,
     start: Frames,
     size: f64,
+    /// Which of the twelve numbers (base, then target) are free.
+    free: Vec<usize>,
 }
 
 impl Refinement<'_> {
     fn frames(&self, x: &DVector<f64>) -> Frames {
-        let motion = |first: usize| Vector6::from_iterator(x.rows(first, 6).iter().copied());
-        Frames { base: self.start.base.moved(&motion(0)), target: self.start.target.moved(&motion(6)) }
+        let mut motion = [0.0; 12];
+        for (value, k) in x.iter().zip(&self.free) {
+            motion[*k] = *value;
+        }
+        let part = |first: usize| Vector6::from_column_slice(&motion[first..first + 6]);
+        Frames { base: self.start.base.moved(&part(0)), target: self.start.target.moved(&part(6)) }
     }
 
     fn residuals(&self, x: &DVector<f64>) -> DVector<f64> {
         let frames = self.frames(x);
-        let all = self.pairs.iter().map(|p| residual(p, &frames, self.size));
+        let all = self.pairs.iter().zip(&self.weights).map(|(p, w)| residual(p, &frames, self.size) * *w);
         DVector::from_iterator(6 * self.pairs.len(), all.flat_map(|r| [r[0], r[1], r[2], r[3], r[4], r[5]]))
     }
 }
 
 impl LeastSquaresProblem for Refinement<'_> {
     fn shape(&self) -> (usize, usize) {
-        (6 * self.pairs.len(), 12)
+        (6 * self.pairs.len(), self.free.len())
     }
 
     fn linearize(
@@ -176,10 +237,10 @@ impl LeastSquaresProblem for Refinement<'_> {
         r: &mut DVector<f64>,
         j: &mut DMatrix<f64>,
     ) -> Result<(), EvaluationError> {
-        // Twelve columns of a start value: differences are exact enough and need no second set of formulas.
+        // A few columns of a start value: differences are exact enough and need no second set of formulas.
         const STEP: f64 = 1e-6;
         r.copy_from(&self.residuals(x));
-        for k in 0..12 {
+        for k in 0..self.free.len() {
             let (mut plus, mut minus) = (x.clone(), x.clone());
             plus[k] += STEP;
             minus[k] -= STEP;
@@ -189,8 +250,15 @@ impl LeastSquaresProblem for Refinement<'_> {
     }
 }
 
-fn refine(pairs: &[Pair], start: Frames, size: f64) -> Frames {
-    let mut problem = Refinement { pairs, start, size };
+fn refine(pairs: &[Pair], start: Frames, size: f64, free: Free) -> Frames {
+    let attitudes = pairs.iter().any(|p| p.rotation.is_some());
+    let base = if free == Free::Target { 0..0 } else { 0..6 };
+    let target = match free {
+        Free::Base => 6..6,
+        _ if attitudes => 6..12,
+        _ => 6..9,
+    };
+    let free: Vec<usize> = base.chain(target).collect();
     let options = LeastSquaresOptions {
         initial_damping: 1e-6,
         step_tolerance: 1e-7,
@@ -198,10 +266,22 @@ fn refine(pairs: &[Pair], start: Frames, size: f64) -> Frames {
         max_iterations: 60,
         ..Default::default()
     };
-    // A start that cannot be refined is still a start; the identification judges it.
-    match least_squares(&mut problem, DVector::zeros(12), LeastSquaresMethod::LevenbergMarquardt, &options) {
-        Ok(solution) => problem.frames(&solution.x),
-        Err(crate::solve::SolveError::NoConvergence { last, .. }) => problem.frames(&last.x),
-        Err(_) => start,
+    let mut frames = start;
+    for _ in 0..ROUNDS {
+        let lengths: Vec<f64> = pairs.iter().map(|p| residual(p, &frames, size).norm()).collect();
+        let limit = FAR * misfit(pairs, &frames, size);
+        let weights = lengths.iter().map(|l| if *l > limit { (limit / l).sqrt() } else { 1.0 }).collect();
+        let mut problem = Refinement { pairs, weights, start: frames, size, free: free.clone() };
+        let zero = DVector::zeros(free.len());
+        // A start that cannot be refined is still a start; the identification judges it.
+        frames = match least_squares(&mut problem, zero, LeastSquaresMethod::LevenbergMarquardt, &options) {
+            Ok(solution) => problem.frames(&solution.x),
+            Err(crate::solve::SolveError::NoConvergence { last, .. }) => problem.frames(&last.x),
+            Err(_) => return frames,
+        };
+        if lengths.iter().all(|l| *l <= limit) {
+            break;
+        }
     }
+    frames
 }

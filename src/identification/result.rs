@@ -71,11 +71,11 @@ impl Identification {
     ) -> Result<Self, IdentifyError> {
         let n = solution.x.len();
         let (pseudo_inverse, mut rank, mut determined) = pseudo_inverse(&solution.jacobian);
-        if let Some(Prior::Held { directions: held, .. }) = problem.prior() {
+        if let Some((held, takes_part)) = problem.prior().and_then(Prior::held) {
             // What was only held in place is not determined.
-            rank = n.saturating_sub(held.ncols());
-            for (k, d) in determined.iter_mut().enumerate().take(held.nrows()) {
-                *d &= held.row(k).norm() < 1e-6;
+            rank = n.saturating_sub(held);
+            for (d, part) in determined.iter_mut().zip(takes_part) {
+                *d &= !part;
             }
         }
         let covariance = match task.weights {
@@ -86,6 +86,11 @@ impl Identification {
                 problem.covariance_through(&pseudo_inverse) * noise_scale.powi(2)
             }
         };
+        let misfit = Misfit::at(task, &solution.x, problem.poses(), &outliers)?;
+        if !misfit.noise_known && misfit.degrees_of_freedom == 0 {
+            // Nothing tells how large the noise is, and so nothing how well a parameter is known.
+            determined.fill(false);
+        }
         let specs = task.mechanism.parameters();
         let own = task.data.model().own_parameters();
         let start = problem.start();
@@ -106,7 +111,7 @@ impl Identification {
             rank,
             prior: problem.prior().is_some_and(Prior::informs),
             noise_scale,
-            misfit: Misfit::at(task, &solution.x, &outliers)?,
+            misfit,
             weights,
             outliers,
             poses: problem.poses().to_vec(),

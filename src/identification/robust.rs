@@ -45,6 +45,10 @@ const OUTLIER_LEVEL: f64 = 0.01;
 const EFFICIENCY: f64 = 0.95;
 const MAX_ROUNDS: usize = 60;
 const SETTLED: f64 = 1e-4;
+/// A sample that misses the mechanism as it is given by this many medians stands out.
+const STANDS_OUT: f64 = 5.0;
+/// Part of its noise that a sample of the highest leverage is taken to leave.
+const SMALLEST_LEFT: f64 = 0.05;
 
 impl Loss {
     /// Weight of a sample at distance `d` with tuning constant `c`.
@@ -106,20 +110,15 @@ impl Identifier for Robust {
 
     fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
         let task = &Task { weights: Weights::Noise, ..*task };
-        let mut scale = 1.0;
-        let mut weights = vec![1.0; task.data.len()];
         let mut history = Vec::new();
         let losses: &[Loss] = match self.loss {
             Loss::Huber => &[Loss::Huber],
             Loss::Tukey => &[Loss::Huber, Loss::Tukey],
         };
-        // Distances of gross errors would make the data look worse than they are, so the prior is chosen for the
-        // scale that the median gives.
-        let mut x = None;
+        let (mut scale, mut weights, mut x) = (1.0, first_weights(task)?, None);
         for loss in losses {
             for _ in 0..MAX_ROUNDS {
-                let prior = choose_prior(task, scale)?;
-                let mut problem = CalibrationProblem::new(task, prior, scale)?;
+                let mut problem = self.problem(task, scale)?;
                 problem.weigh_samples(&weights);
                 let start = x.take().unwrap_or_else(|| problem.start());
                 // A round that runs out of iterations still moves on; only the last one has to converge.
@@ -128,16 +127,13 @@ impl Identifier for Robust {
                     other => other?,
                 };
                 history.extend_from_slice(&solution.history);
-                let rows = problem.sample_rows();
-                problem.weigh_samples(&vec![1.0; task.data.len()]);
-                let (residual, _) = linearized(&mut problem, &solution.x)?;
-                let distances: Vec<f64> = rows.iter().map(|(first, n)| residual.rows(*first, *n).norm()).collect();
-                let unknowns = if problem.prior().is_some_and(super::Prior::informs) { 0 } else { solution.x.len() };
-                let shift = median_scale(&distances, &rows, unknowns);
+                let distances = distances(&mut problem, &solution, &weights)?;
+                // A stated noise is not improved upon: a scale below one would only make good samples look bad.
+                let least = if task.data.noise.known { 1.0 / scale } else { 0.0 };
+                let shift = median_scale(&distances).max(least);
                 let next: Vec<f64> = distances
                     .iter()
-                    .zip(&rows)
-                    .map(|(d, (_, n))| if *n == 0 { 1.0 } else { loss.weight(d / shift, tuned(*loss, *n)) })
+                    .map(|d| if d.rows == 0 { 1.0 } else { loss.weight(d.length / shift, tuned(*loss, d.rows)) })
                     .collect();
                 let change = next.iter().zip(&weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 weights = next;
@@ -153,6 +149,13 @@ impl Identifier for Robust {
 }
 
 impl Robust {
+    /// The problem with the noise at `scale`. Gross errors blow the scale up while they still pull at the fit, and
+    /// must not talk the prior into it: with a stated noise the prior is the one that this noise asks for.
+    fn problem<'a>(&self, task: &Task<'a>, scale: f64) -> Result<CalibrationProblem<'a>, IdentifyError> {
+        let prior = choose_prior(task, if task.data.noise.known { 1.0 } else { scale })?;
+        CalibrationProblem::new(task, prior, scale)
+    }
+
     fn minimise(
         &self,
         problem: &mut CalibrationProblem<'_>,
@@ -169,8 +172,7 @@ impl Robust {
         scale: f64,
         history: Vec<IterationRecord>,
     ) -> Result<Identification, IdentifyError> {
-        let prior = choose_prior(task, scale)?;
-        let mut problem = CalibrationProblem::new(task, prior, scale)?;
+        let mut problem = self.problem(task, scale)?;
         problem.weigh_samples(weights);
         let start = x.unwrap_or_else(|| problem.start());
         let (solution, failure) = match self.minimise(&mut problem, start) {
@@ -180,15 +182,12 @@ impl Robust {
             }
             Err(cause) => return Err(cause.into()),
         };
-        let rows = problem.sample_rows();
-        problem.weigh_samples(&vec![1.0; task.data.len()]);
-        let (residual, _) = linearized(&mut problem, &solution.x)?;
         let level = OUTLIER_LEVEL / task.data.len() as f64;
-        let gross = |(k, (first, n)): (usize, &(usize, usize))| {
-            let limit = ChiSquared::new(*n as f64).map_or(f64::INFINITY, |d| d.inverse_cdf(1.0 - level));
-            (residual.rows(*first, *n).norm_squared() > limit).then_some(k)
+        let gross = |(k, d): (usize, &Distance)| {
+            let limit = ChiSquared::new(d.rows as f64).map_or(f64::INFINITY, |chi| chi.inverse_cdf(1.0 - level));
+            (d.length.powi(2) > limit).then_some(k)
         };
-        let outliers: Vec<usize> = rows.iter().enumerate().filter_map(gross).collect();
+        let outliers = distances(&mut problem, &solution, weights)?.iter().enumerate().filter_map(gross).collect();
         problem.weigh_samples(weights);
         let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), outliers)?;
         found.history = history;
@@ -211,20 +210,63 @@ fn tuned(loss: Loss, k: usize) -> f64 {
     *known.entry(key).or_insert_with(|| loss.tuning(k))
 }
 
-/// Scale of the noise from the median of the distances: the median of `d²/mₖ` with `mₖ` the median of
-/// `χ²ₖ`, corrected for the rows that the parameters used up.
-fn median_scale(distances: &[f64], rows: &[(usize, usize)], unknowns: usize) -> f64 {
-    let mut ratios: Vec<f64> = distances
-        .iter()
-        .zip(rows)
-        .filter(|(_, (_, n))| *n > 0)
-        .filter_map(|(d, (_, n))| ChiSquared::new(*n as f64).ok().map(|chi| d * d / chi.inverse_cdf(0.5)))
-        .collect();
+/// Length of the whitened residual of a sample, for the noise at the scale of the problem.
+struct Distance {
+    /// Its length over what the fit leaves of the noise.
+    length: f64,
+    /// Its rows.
+    rows: usize,
+}
+
+/// Distances of the samples at a solution. Each is divided by `√(1 - h/k)` with the leverage `h` of its `k` rows: a
+/// sample that the fit follows closely leaves less of its noise.
+fn distances(
+    problem: &mut CalibrationProblem<'_>,
+    solution: &LeastSquaresSolution,
+    weights: &[f64],
+) -> Result<Vec<Distance>, IdentifyError> {
+    let mut weighted = solution.jacobian.clone();
+    for mut column in weighted.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column.unscale_mut(norm);
+        }
+    }
+    let q = weighted.qr().q();
+    problem.weigh_samples(&vec![1.0; weights.len()]);
+    let (residual, _) = linearized(problem, &solution.x)?;
+    problem.weigh_samples(weights);
+    let distance = |(k, (first, rows)): (usize, (usize, usize))| {
+        // A sample that the fit does not follow keeps all of its noise, whatever its place.
+        let leverage = weights[k].min(1.0) * q.rows(first, rows).norm_squared();
+        let left = (1.0 - leverage / rows.max(1) as f64).max(SMALLEST_LEFT);
+        Distance { length: residual.rows(first, rows).norm() / left.sqrt(), rows }
+    };
+    Ok(problem.sample_rows().into_iter().enumerate().map(distance).collect())
+}
+
+/// Scale of the noise: the median of `d²/mₖ` with `mₖ` the median of `χ²ₖ`.
+fn median_scale(distances: &[Distance]) -> f64 {
+    let ratio = |d: &Distance| {
+        ChiSquared::new(d.rows as f64).ok().map(|chi| d.length.powi(2) / chi.inverse_cdf(0.5)).filter(|_| d.rows > 0)
+    };
+    let mut ratios: Vec<f64> = distances.iter().filter_map(ratio).collect();
     ratios.sort_by(f64::total_cmp);
-    let total: usize = rows.iter().map(|(_, n)| n).sum();
-    let free = total.saturating_sub(unknowns).max(1) as f64;
-    let median = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
-    (median * total as f64 / free).sqrt().max(1e-12)
+    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).sqrt().max(1e-12)
+}
+
+/// Weights for the first fit: none for samples whose misfit against the mechanism as it is given stands out of all
+/// the others', so that errors larger than those of the mechanism never enter.
+fn first_weights(task: &Task<'_>) -> Result<Vec<f64>, IdentifyError> {
+    let mut problem = CalibrationProblem::new(task, None, 1.0)?;
+    let start = problem.start();
+    let (residual, _) = linearized(&mut problem, &start)?;
+    let lengths: Vec<f64> =
+        problem.sample_rows().into_iter().map(|(first, n)| residual.rows(first, n).norm()).collect();
+    let mut sorted = lengths.clone();
+    sorted.sort_by(f64::total_cmp);
+    let limit = STANDS_OUT * sorted[sorted.len() / 2];
+    Ok(lengths.iter().map(|l| if *l > limit { 0.0 } else { 1.0 }).collect())
 }
 
 #[cfg(test)]

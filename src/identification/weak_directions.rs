@@ -5,12 +5,12 @@
 //! the tolerance along it over the σ that the data alone give. Ten means that the data know the direction to a
 //! tenth of the tolerance ([`DECIDED`](super::DECIDED)); one that they know no more than the workshop.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::problem::CalibrationProblem;
 use super::result::linearized;
 use super::{DECIDED, IdentifyError, Task, Weights};
-use crate::mechanism::{Body, Mechanism, ParameterRole};
+use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]
@@ -169,28 +169,14 @@ fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
     for (body, label, effect) in
         [(Body::Platform, "platform", "an attitude offset"), (Body::Base, "base", "a turn of the tracker")]
     {
-        let points = body.points(mechanism, c);
-        let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / points.len().max(1) as f64;
-        let rigid = |turn: bool, axis: usize| {
-            let mut d = DVector::zeros(specs.len());
-            let unit = Vector3::ith(axis, 1.0);
-            for (k, spec) in specs.iter().enumerate() {
-                if let Some((leg, k_axis)) = body.coordinate(spec.role) {
-                    let point = points.iter().find(|(l, _)| *l == leg).map_or(centre, |(_, p)| *p);
-                    let motion = if turn { unit.cross(&(point - centre)) } else { unit };
-                    d[k] = motion[k_axis] / scale[k];
-                }
-            }
-            d
-        };
+        let rigid = rigid_directions(mechanism, body, scale);
         for (axis, name) in ["x", "y", "z"].iter().enumerate() {
             let turn = format!("all {label} points turn together about {name}, {effect}");
             let shift = format!("all {label} points shift together along {name}");
-            found.extend(pattern(turn, Family::Rigid, &[rigid(true, axis)]));
-            found.extend(pattern(shift, Family::Rigid, &[rigid(false, axis)]));
+            found.extend(pattern(turn, Family::Rigid, &rigid[axis + 3..=axis + 3]));
+            found.extend(pattern(shift, Family::Rigid, &rigid[axis..=axis]));
         }
-        let turns: Vec<_> = (0..3).map(|axis| rigid(true, axis)).collect();
-        found.extend(pattern(format!("all {label} points turn together, {effect}"), Family::Rigid, &turns));
+        found.extend(pattern(format!("all {label} points turn together, {effect}"), Family::Rigid, &rigid[3..]));
     }
     let platform = Body::Platform.points(mechanism, c);
     let base = Body::Base.points(mechanism, c);

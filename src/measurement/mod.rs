@@ -85,14 +85,34 @@ pub trait MeasurementModel: Debug + Send + Sync {
     /// determines one. Registration starts from it.
     fn rigid_pose(&self, sample: usize) -> Option<Pose>;
 
-    /// True if the target's frame on the platform is a matter of convention ([`Frames::target`]); false if the
-    /// readings are tied to the platform frame by known or identified target points.
-    fn has_target_frame(&self) -> bool {
-        true
+    /// What is known of the place of the target on the platform.
+    fn target_frame(&self) -> TargetFrame {
+        TargetFrame::Convention
     }
 
     /// The measured position of one point that is fixed to the platform, in the tracker's frame.
-    fn point(&self, sample: usize) -> Option<Vector3<f64>>;
+    fn point(&self, sample: usize) -> Option<PointReading>;
+}
+
+/// What is known of the place of the target on the platform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetFrame {
+    /// Nothing: it is a matter of convention ([`Frames::target`]), and the calibrated platform frame is the
+    /// target's.
+    Convention,
+    /// The readings are tied to the platform frame by known points.
+    Known,
+    /// The points have unknown places, which are identified; they take the place of a target frame.
+    Identified,
+}
+
+/// A measured point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointReading {
+    /// Where it was seen, tracker's frame, m.
+    pub position: Vector3<f64>,
+    /// Its place in the target's frame, m.
+    pub place: Vector3<f64>,
 }
 
 /// Residual and derivatives of one sample.

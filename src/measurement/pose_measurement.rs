@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Rotation3, Vector3};
 
-use super::{Frames, MeasurementModel, RowKind, Rows};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows};
 use crate::pose::{Pose, PoseConvention, rotation_vector};
 
 /// Beyond this |β|, rad, differences of the angles no longer tell the size of a turn: one angle counts up to 1/cos β
@@ -189,10 +189,11 @@ impl MeasurementModel for PoseMeasurement {
         reading.measured.iter().all(|m| *m).then(|| self.convention.pose(&reading.values))
     }
 
-    fn point(&self, sample: usize) -> Option<Vector3<f64>> {
+    fn point(&self, sample: usize) -> Option<PointReading> {
         let reading = &self.readings[sample];
-        let [x, y, z, ..] = reading.values;
-        reading.measured[..3].iter().all(|m| *m).then(|| Vector3::new(x, y, z))
+        let position = Vector3::from_column_slice(&reading.values[..3]);
+        let seen = PointReading { position, place: self.convention.pivot };
+        reading.measured[..3].iter().all(|m| *m).then_some(seen)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Measured positions of points on the platform.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::pose_measurement::point_motion;
-use super::{Frames, MeasurementModel, RowKind, Rows};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, TargetFrame};
 use crate::mechanism::{Axis, ParameterRole, ParameterSpec};
 use crate::pose::{Pose, fit_rigid_motion};
 use crate::units::Dimension;
@@ -27,13 +27,19 @@ pub struct TargetMeasurement {
     targets: Vec<TargetPoint>,
     /// By sample, then by target.
     readings: Vec<Vec<[Option<f64>; 3]>>,
-    sigma: f64,
+    /// 1σ of each coordinate, by sample.
+    sigma: Vec<[f64; 3]>,
     own: Vec<ParameterSpec>,
 }
 
 impl TargetMeasurement {
-    /// Readings by sample and target, with the same noise σ (m) in each coordinate.
-    pub fn new(targets: Vec<TargetPoint>, readings: Vec<Vec<[Option<f64>; 3]>>, sigma: f64) -> Self {
+    /// Readings by sample and target, with 1σ (m) of the coordinates of each sample.
+    ///
+    /// # Panics
+    /// If the two have not the same number of samples, which is a mistake of the caller.
+    #[allow(clippy::panic)]
+    pub fn new(targets: Vec<TargetPoint>, readings: Vec<Vec<[Option<f64>; 3]>>, sigma: Vec<[f64; 3]>) -> Self {
+        assert_eq!(readings.len(), sigma.len(), "one set of sigma for each sample");
         let spec = |name: &str, axis: Axis| ParameterSpec {
             name: format!("{name}{}", ["x", "y", "z"][axis.index()]),
             dimension: Dimension::Length,
@@ -64,6 +70,11 @@ impl TargetMeasurement {
         self.targets.iter().map(next).collect()
     }
 
+    fn known(&self) -> usize {
+        self.targets.iter().filter(|t| t.platform.is_some()).count()
+    }
+
+    /// The targets of a sample whose three coordinates were measured.
     fn complete(&self, sample: usize) -> impl Iterator<Item = (usize, Vector3<f64>)> + '_ {
         self.readings[sample].iter().enumerate().filter_map(|(t, r)| Some((t, Vector3::new(r[0]?, r[1]?, r[2]?))))
     }
@@ -128,29 +139,32 @@ impl MeasurementModel for TargetMeasurement {
     }
 
     fn covariance(&self, sample: usize, _frames: &Frames) -> DMatrix<f64> {
-        let k = self.rows(sample).len();
-        DMatrix::from_diagonal_element(k, k, self.sigma.powi(2))
+        let measured = |r: &[Option<f64>; 3]| [0, 1, 2].into_iter().filter(|k| r[*k].is_some()).collect::<Vec<_>>();
+        let variances: Vec<f64> =
+            self.readings[sample].iter().flat_map(measured).map(|k| self.sigma[sample][k].powi(2)).collect();
+        DMatrix::from_diagonal(&DVector::from_vec(variances))
     }
 
-    fn has_target_frame(&self) -> bool {
-        false
+    fn target_frame(&self) -> TargetFrame {
+        if self.known() >= 3 || self.own.is_empty() { TargetFrame::Known } else { TargetFrame::Identified }
     }
 
     fn rigid_pose(&self, sample: usize) -> Option<Pose> {
         // Known places give the platform's own pose; otherwise the first sample defines a frame on it.
-        let known = self.targets.iter().all(|t| t.platform.is_some());
+        let known = self.target_frame() == TargetFrame::Known;
         let first: Vec<(usize, Vector3<f64>)> = self.complete(0).collect();
-        let (mut from, mut to) = (Vec::new(), Vec::new());
-        for (t, seen) in self.complete(sample) {
-            let reference =
-                if known { self.targets[t].platform } else { first.iter().find(|(k, _)| *k == t).map(|(_, p)| *p) };
-            from.push(reference?);
-            to.push(seen);
-        }
+        let reference = |t: usize| match known {
+            true => self.targets[t].platform,
+            false => first.iter().find(|(k, _)| *k == t).map(|(_, p)| *p),
+        };
+        let (from, to): (Vec<_>, Vec<_>) =
+            self.complete(sample).filter_map(|(t, seen)| Some((reference(t)?, seen))).unzip();
         fit_rigid_motion(&from, &to)
     }
 
-    fn point(&self, sample: usize) -> Option<Vector3<f64>> {
-        self.complete(sample).find(|(t, _)| *t == 0).map(|(_, p)| p)
+    fn point(&self, sample: usize) -> Option<PointReading> {
+        let known = self.target_frame() == TargetFrame::Known;
+        let usable = |t: usize| if known { self.targets[t].platform } else { (t == 0).then(Vector3::zeros) };
+        self.complete(sample).find_map(|(t, position)| Some(PointReading { position, place: usable(t)? }))
     }
 }

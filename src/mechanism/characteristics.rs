@@ -1,6 +1,6 @@
 //! Size and conditioning of a mechanism.
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 
 use super::{Linearization, Mechanism, ParameterRole};
 use crate::conditions::Conditions;
@@ -40,6 +40,25 @@ impl Body {
         }
         points
     }
+}
+
+/// The six directions of the parameters in which all points of a body move as one rigid body, in parameters over
+/// `scale`: shifts along x, y, z, then turns about the axes through the centroid.
+pub fn rigid_directions<M: Mechanism + ?Sized>(mechanism: &M, body: Body, scale: &[f64]) -> [DVector<f64>; 6] {
+    let specs = mechanism.parameters();
+    let points = body.points(mechanism, mechanism.values());
+    let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    std::array::from_fn(|which| {
+        let unit = Vector3::ith(which % 3, 1.0);
+        let mut direction = DVector::zeros(specs.len());
+        for (k, spec) in specs.iter().enumerate() {
+            let Some((leg, axis)) = body.coordinate(spec.role) else { continue };
+            let point = points.iter().find(|(l, _)| *l == leg).map_or(centre, |(_, p)| *p);
+            let motion = if which < 3 { unit } else { unit.cross(&(point - centre)) };
+            direction[k] = motion[axis] / scale[k];
+        }
+        direction
+    })
 }
 
 /// Mean distance of the platform points from their centroid, m: the arm by which an angle becomes a length.

@@ -33,7 +33,7 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DVector, Matrix6xX};
 
-pub use characteristics::{Body, characteristic_length, condition};
+pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};

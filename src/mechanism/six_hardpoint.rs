@@ -180,16 +180,21 @@ fn check_legs(legs: &[Leg]) -> Result<(), GeometryError> {
     Ok(())
 }
 
-/// Refuses legs that meet in a point of the platform or of the base, which in a file is nearly always a line
-/// copied twice; a mechanism whose legs really meet skips this check.
+/// Refuses two legs that meet in a point of the platform or of the base, which in a file is nearly always a line
+/// copied twice. Where all legs meet in pairs, as in the 6-3 and 3-3 platforms, they are meant to.
 pub(crate) fn check_distinct_anchors(legs: &[Leg]) -> Result<(), GeometryError> {
-    for (i, first) in legs.iter().enumerate() {
-        for (j, second) in legs.iter().enumerate().skip(i + 1) {
-            for (body, p, q) in [("platform", first.platform, second.platform), ("base", first.base, second.base)] {
-                if (p - q).norm() <= 1e-9 {
-                    let (first, second) = (i + 1, j + 1);
-                    return Err(GeometryError::EqualAnchors { first, second, body, x: p.x, y: p.y, z: p.z });
-                }
+    type Point = fn(&Leg) -> Vector3<f64>;
+    let bodies: [(&'static str, Point); 2] = [("platform", |l| l.platform), ("base", |l| l.base)];
+    for (body, point) in bodies {
+        let meet = |i: usize, j: usize| (point(&legs[i]) - point(&legs[j])).norm() <= 1e-9;
+        let partners = |i: usize| (0..legs.len()).filter(|j| *j != i && meet(i, *j)).count();
+        if (0..legs.len()).all(|i| partners(i) == 1) {
+            continue;
+        }
+        for i in 0..legs.len() {
+            if let Some(j) = (i + 1..legs.len()).find(|j| meet(i, *j)) {
+                let p = point(&legs[i]);
+                return Err(GeometryError::EqualAnchors { first: i + 1, second: j + 1, body, x: p.x, y: p.y, z: p.z });
             }
         }
     }

@@ -104,7 +104,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
     let point = |points: &[(usize, Vector3<f64>)], k: usize| {
         points.iter().find(|(leg, _)| *leg == k).map(|(_, p)| json!([p.x, p.y, p.z]))
     };
-    let leg = |k: usize| json!({ "platform": point(&i.platform, k), "base": point(&i.base, k), "length": real(i.home_joints[k]) });
+    let leg = |k: usize| json!({ "platform": point(&i.platform, k), "base": point(&i.base, k), "length": i.lengths.get(k).copied().map(real) });
     let survey = i.survey.as_ref().map(|s| {
         json!({
             "poses": s.poses, "outside_stroke": s.outside_stroke, "unreachable": s.unreachable,
@@ -123,6 +123,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
         "legs": (0..i.home_joints.len()).map(leg).collect::<Vec<_>>(),
         "home": i.convention.coordinates(&i.mechanism.home()),
         "joints": i.mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>(),
+        "home_joints": i.home_joints,
         "strokes": i.mechanism.joints().iter().map(|j| j.stroke).collect::<Vec<_>>(),
         "radius": real(i.radius),
         "condition": real(i.home_condition),

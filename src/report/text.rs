@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, Prospect};
 use crate::mechanism::{Mechanism, Survey, Workspace};
 use crate::pose::PoseConvention;
-use crate::units::{Dimension, fixed, show_angle, show_length, three_digits};
+use crate::units::{Dimension, fixed, show_angle, show_length, show_probability, three_digits};
 
 /// Long lists are cut after this many lines.
 const SHOWN: usize = 6;
@@ -79,7 +79,8 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
     text += "\n";
     let mut rows = vec![errors_row("before", &c.before), errors_row("fitted", &c.after)];
     if let Some(h) = &c.held_out {
-        rows.push(errors_row(&format!("held out ({} rows)", h.samples), &h.rms));
+        let gross = if found.outliers.is_empty() { "" } else { ", gross errors too" };
+        rows.push(errors_row(&format!("held out ({} rows{gross})", h.samples), &h.rms));
     }
     if let Some(p) = &c.predicted {
         let e = ErrorSummary { position: Some(p.position_rms), rotation: Some(p.rotation_rms) };
@@ -93,10 +94,10 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
         let scale = found.misfit.scale().unwrap_or(f64::NAN);
         let free = found.misfit.degrees_of_freedom;
         text += &format!(
-            "\nResiduals are {} times the stated noise (chi-square {:.1}, {free} degrees of freedom, p = {}).\n",
+            "\nResiduals are {} times the stated noise (chi-square {:.1}, {free} degrees of freedom, p {}).\n",
             three_digits(scale),
             found.misfit.chi_square,
-            three_digits(p)
+            show_probability(p)
         );
     }
     if c.registration.applied {
@@ -140,7 +141,9 @@ fn weak_directions(c: &Calibration) -> String {
     if c.weak.len() > SHOWN {
         text += &format!("  and {} more (--json lists all)\n", c.weak.len() - SHOWN);
     }
-    if let Some(p) = &c.predicted {
+    if !c.identification.prior {
+        text += "No prior was used: along these directions the values are as uncertain as their sigma says.\n";
+    } else if let Some(p) = &c.predicted {
         text += "Values along these directions come from the tolerances; poses inside the workspace are still\n";
         text += &format!("predicted to {} and {}.\n", show_length(p.position_rms), show_angle(p.rotation_rms));
     }
@@ -191,6 +194,8 @@ pub struct Inspection<'a> {
     pub platform: Vec<(usize, Vector3<f64>)>,
     /// Base points by leg, base frame, m.
     pub base: Vec<(usize, Vector3<f64>)>,
+    /// Lengths of the legs as the file states them, m.
+    pub lengths: Vec<f64>,
     /// Joints at home.
     pub home_joints: Vec<f64>,
     /// Mean radius of the platform points, m.

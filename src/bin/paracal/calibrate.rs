@@ -113,6 +113,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         },
         holdout,
         seed: args.seed,
+        convention: machine.convention,
     };
     let chosen = chosen_identifier(args)?;
     let progress = ui.progress(format!("calibrating with {} samples", measurement.data.len()));
@@ -126,7 +127,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 
     let targets =
         measurement.targets.as_ref().map(|t| t.located(&result.identification.own_values())).unwrap_or_default();
-    let document = machine.document_of(result.mechanism.as_ref(), result.workspace.as_ref(), &targets)?;
+    let document = machine.document_of(
+        result.mechanism.as_ref(),
+        result.workspace.as_ref(),
+        &targets,
+        &result.registration.frames,
+    )?;
     outputs.add(&args.output, document.to_text())?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;

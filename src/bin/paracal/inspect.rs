@@ -8,7 +8,7 @@ use paracal::conditions::Conditions;
 use paracal::files::Machine;
 use paracal::identification::{Prospect, prospect};
 use paracal::measurement::Noise;
-use paracal::mechanism::{Body, Survey, characteristic_length, condition};
+use paracal::mechanism::{Body, Mechanism, ParameterRole, ParameterSpec, Survey, characteristic_length, condition};
 use paracal::report::{json, text};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -63,6 +63,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         workspace: machine.workspace.as_ref(),
         platform: Body::Platform.points(mechanism, c),
         base: Body::Base.points(mechanism, c),
+        lengths: lengths(mechanism),
         home_joints: joints.clone(),
         radius: characteristic_length(mechanism),
         home_condition: condition(mechanism, c, &joints, &mechanism.home(), &at),
@@ -72,6 +73,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     ui.result(&text::inspection(&seen), &json::inspection(&seen));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Nominal lengths of the legs.
+fn lengths(mechanism: &dyn Mechanism) -> Vec<f64> {
+    let is_length = |s: &&ParameterSpec| matches!(s.role, ParameterRole::JointOffset { .. });
+    mechanism.parameters().iter().filter(is_length).map(|s| s.nominal).collect()
 }
 
 fn look_ahead(

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, anyhow};
 use paracal::files::{CsvTable, ListedPose, Machine, Outputs, number, read_parameter_errors, read_poses};
-use paracal::measurement::Noise;
+use paracal::measurement::{Frames, Noise};
 use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
 use paracal::simulation::{SimulatedSample, draw_parameters, simulate};
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     warn_outside(ui, mechanism, &samples);
     outputs.add(&args.output, measurement(&machine, &listed, &samples, &noise, args.seed).to_text())?;
     if let Some(path) = &args.truth {
-        let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[])?;
+        let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[], &Frames::default())?;
         outputs.add(path, document.to_text())?;
     }
     outputs.write()?;
