@@ -234,3 +234,26 @@ fn noise_of_the_joint_readings_is_part_of_the_covariance() {
     let chi = squares.iter().map(|(_, c)| c).sum::<f64>() / DRAWS as f64;
     assert!((0.97..=1.03).contains(&chi), "chi-square per degree of freedom {chi:.3}");
 }
+
+#[test]
+fn the_robust_identifier_leaves_clean_data_alone() {
+    let m = machine("table5");
+    let nominal = m.mechanism.as_ref();
+    for (mm, degrees, n) in [(100.0, 10.0, 12), (100.0, 10.0, 30), (10.0, 0.5, 20)] {
+        let space = workspace(nominal, mm, degrees);
+        const DRAWS: u64 = 40;
+        let found = monte_carlo(DRAWS, 15, |_, rng| {
+            let truth = nominal.with_values(&draw_parameters(nominal, None, rng), nominal.home()).unwrap();
+            let poses: Vec<Pose> = (0..n).map(|_| space.random(rng)).collect();
+            let samples = simulate(nominal, truth.as_ref(), &poses, &space.convention, &paper_noise(), rng).unwrap();
+            let measured = as_dataset(&samples, &space.convention, &paper_noise());
+            let found = Robust::default().identify(&Task::new(nominal, &measured)).unwrap();
+            (found.outliers.len(), found.noise_scale)
+        });
+        let flagged: usize = found.iter().map(|(k, _)| k).sum();
+        let scale = found.iter().map(|(_, s)| s).sum::<f64>() / DRAWS as f64;
+        // One run in a hundred may flag a sample; leverages near one make that a little more.
+        assert!(flagged <= 4, "{mm} mm, {n} poses: {flagged} samples flagged in {DRAWS} runs");
+        assert!((1.0..1.25).contains(&scale), "{mm} mm, {n} poses: scale {scale:.3}");
+    }
+}

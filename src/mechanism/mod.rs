@@ -25,6 +25,7 @@ mod error;
 mod kinematics;
 mod parameter;
 mod six_hardpoint;
+mod six_legs;
 mod survey;
 mod workspace;
 

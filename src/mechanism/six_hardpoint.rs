@@ -13,13 +13,14 @@
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
+use super::six_legs::{SixLegs, leg_row};
 use super::{
     Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
     ParameterSpec, condition, follow_joints,
 };
 use crate::conditions::Conditions;
 use crate::pose::Pose;
-use crate::solve::{NewtonOptions, NewtonProblem, newton};
+use crate::solve::{NewtonOptions, newton};
 use crate::units::Dimension;
 
 /// One leg of a [`SixHardpoint`].
@@ -49,8 +50,8 @@ pub struct SixHardpoint {
     side: f64,
 }
 
-const PER_LEG: usize = 7;
-const LEGS: usize = 6;
+pub(super) const PER_LEG: usize = 7;
+pub(super) const LEGS: usize = 6;
 const NAMES: [&str; PER_LEG] = ["xA", "yA", "zA", "h", "xB", "yB", "zB"];
 /// A home pose with a worse condition does not hold its platform.
 const WORST_CONDITION: f64 = 1e7;
@@ -213,46 +214,6 @@ fn pose_above_base(legs: &[Leg]) -> Pose {
     Pose { position: mean + Vector3::new(0.0, 0.0, z), ..Pose::identity() }
 }
 
-/// Six closure equations with static sizes: the inner loop of forward kinematics.
-struct SixLegs {
-    a: [Vector3<f64>; LEGS],
-    b: [Vector3<f64>; LEGS],
-    length: [f64; LEGS],
-}
-
-impl SixLegs {
-    /// Residual and `J₁`.
-    #[inline]
-    fn equations(&self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
-        for i in 0..LEGS {
-            let arm = pose.rotation * self.a[i];
-            let l = pose.position + arm - self.b[i];
-            let length = l.norm();
-            let u = l / length;
-            let turn = arm.cross(&u);
-            residual[i] = length - self.length[i];
-            for k in 0..3 {
-                jacobian[(i, k)] = u[k];
-                jacobian[(i, k + 3)] = turn[k];
-            }
-        }
-    }
-}
-
-impl NewtonProblem for SixLegs {
-    type Point = Pose;
-
-    #[inline]
-    fn linearize(&mut self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
-        self.equations(pose, residual, jacobian);
-    }
-
-    #[inline]
-    fn step(&self, pose: &Pose, delta: &Vector6<f64>) -> Pose {
-        pose.moved(delta)
-    }
-}
-
 impl Mechanism for SixHardpoint {
     fn name(&self) -> &str {
         &self.name
@@ -349,11 +310,4 @@ impl Mechanism for SixHardpoint {
         }
         Ok(())
     }
-}
-
-/// The entries of `J₂` in the columns of leg `i`: `[uᵀ R, -1, -uᵀ]`.
-fn leg_row(motion: &Matrix6<f64>, i: usize, pose: &Pose) -> [f64; PER_LEG] {
-    let u = Vector3::new(motion[(i, 0)], motion[(i, 1)], motion[(i, 2)]);
-    let v = pose.rotation.inverse() * u;
-    [v.x, v.y, v.z, -1.0, -u.x, -u.y, -u.z]
 }

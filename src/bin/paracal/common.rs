@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use paracal::conditions::Conditions;
-use paracal::files::{Machine, Measurement, read_measurement};
+use paracal::files::{CsvTable, Machine, Measurement, number, read_measurement};
 use paracal::identification::IdentifyError;
 use paracal::measurement::Dataset;
 use paracal::units::Dimension;
@@ -67,6 +67,33 @@ impl Ui {
         measurement.warnings.iter().for_each(|w| self.warn(w));
         Ok(measurement)
     }
+}
+
+/// A row of a table of joints and poses, SI.
+pub(crate) struct JointsAndPose {
+    /// Label.
+    pub(crate) id: Option<String>,
+    /// Joint coordinates.
+    pub(crate) joints: Vec<f64>,
+    /// Pose in the coordinates of the machine's convention.
+    pub(crate) pose: [f64; 6],
+}
+
+/// A table of joints and poses in the units of the mechanism file.
+pub(crate) fn joints_and_poses(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
+    let (length, angle) = (machine.length_unit, machine.angle_unit);
+    let labelled = rows.iter().any(|r| r.id.is_some());
+    let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
+    header.extend(machine.mechanism.joints().iter().map(|j| format!("{}_{}", j.name, length.name)));
+    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
+    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
+    let row = |r: &JointsAndPose| {
+        let mut cells: Vec<String> = if labelled { vec![r.id.clone().unwrap_or_default()] } else { Vec::new() };
+        cells.extend(r.joints.iter().chain(&r.pose[..3]).map(|v| number(length.from_si(*v))));
+        cells.extend(r.pose[3..].iter().map(|v| number(angle.from_si(*v))));
+        cells
+    };
+    CsvTable { comments: vec![comment], header, rows: rows.iter().map(row).collect() }
 }
 
 /// Exit code of a result.

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use paracal::conditions::Conditions;
-use paracal::files::{CsvTable, ListedPose, Machine, Outputs, number, read_poses};
+use paracal::files::{ListedPose, Outputs, read_poses};
 use serde_json::json;
 
-use crate::common::Ui;
+use crate::common::{JointsAndPose, Ui, joints_and_poses};
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
@@ -52,7 +52,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         }
         lengths.push(joints);
     }
-    outputs.add(&args.output, commands(&machine, &poses, &lengths).to_text())?;
+    let row = |(listed, joints): (&ListedPose, &Vec<f64>)| JointsAndPose {
+        id: listed.id.clone(),
+        joints: joints.clone(),
+        pose: machine.convention.coordinates(&listed.pose),
+    };
+    let rows: Vec<JointsAndPose> = poses.iter().zip(&lengths).map(row).collect();
+    let comment = format!("lengths to command for {}", mechanism.name());
+    outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
     outputs.write()?;
     const SHOWN: usize = 5;
     outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
@@ -64,24 +71,4 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         json!({ "poses": poses.len(), "outside_stroke": outside.len(), "lengths_m": lengths, "warnings": outside });
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
-}
-
-/// Poses and the lengths that lead there, in the units of the mechanism file.
-fn commands(machine: &Machine, poses: &[ListedPose], lengths: &[Vec<f64>]) -> CsvTable {
-    let (length, angle) = (machine.length_unit, machine.angle_unit);
-    let labelled = poses.iter().any(|p| p.id.is_some());
-    let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
-    header.extend(machine.mechanism.joints().iter().map(|j| format!("{}_{}", j.name, length.name)));
-    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
-    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
-    let row = |(listed, joints): (&ListedPose, &Vec<f64>)| {
-        let q = machine.convention.coordinates(&listed.pose);
-        let mut cells: Vec<String> = if labelled { vec![listed.id.clone().unwrap_or_default()] } else { Vec::new() };
-        cells.extend(joints.iter().map(|v| number(length.from_si(*v))));
-        cells.extend(q[..3].iter().map(|v| number(length.from_si(*v))));
-        cells.extend(q[3..].iter().map(|v| number(angle.from_si(*v))));
-        cells
-    };
-    let comment = format!("lengths to command for {}", machine.mechanism.name());
-    CsvTable { comments: vec![comment], header, rows: poses.iter().zip(lengths).map(row).collect() }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, anyhow};
-use paracal::files::{CsvTable, ListedPose, Machine, Outputs, number, read_parameter_errors, read_poses};
+use paracal::files::{ListedPose, Outputs, read_parameter_errors, read_poses};
 use paracal::measurement::{Frames, Noise};
 use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
@@ -14,7 +14,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
-use crate::common::Ui;
+use crate::common::{JointsAndPose, Ui, joints_and_poses};
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
@@ -95,7 +95,15 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         },
     )?;
     warn_outside(ui, mechanism, &samples);
-    outputs.add(&args.output, measurement(&machine, &listed, &samples, &noise, args.seed).to_text())?;
+    let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
+        id: listed.id.clone(),
+        joints: sample.joints.clone(),
+        pose: sample.measured,
+    };
+    let rows: Vec<JointsAndPose> = listed.iter().zip(&samples).map(row).collect();
+    let (p, r) = (show_length(noise.position), show_angle(noise.rotation));
+    let comment = format!("simulated: {}, noise {p} and {r}, seed {}", mechanism.name(), args.seed);
+    outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
     if let Some(path) = &args.truth {
         let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[], &Frames::default())?;
         outputs.add(path, document.to_text())?;
@@ -123,33 +131,4 @@ fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample])
     if !rows.is_empty() {
         ui.warn(&format!("joints outside their stroke in data row {}", shortened(&rows)));
     }
-}
-
-fn measurement(
-    machine: &Machine,
-    listed: &[ListedPose],
-    samples: &[SimulatedSample],
-    noise: &Noise,
-    seed: u64,
-) -> CsvTable {
-    let (length, angle) = (machine.length_unit, machine.angle_unit);
-    let labelled = listed.iter().any(|p| p.id.is_some());
-    let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
-    header.extend(machine.mechanism.joints().iter().map(|j| format!("{}_{}", j.name, length.name)));
-    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
-    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
-    let row = |(pose, sample): (&ListedPose, &SimulatedSample)| {
-        let mut cells: Vec<String> = if labelled { vec![pose.id.clone().unwrap_or_default()] } else { Vec::new() };
-        cells.extend(sample.joints.iter().map(|v| number(length.from_si(*v))));
-        cells.extend(sample.measured[..3].iter().map(|v| number(length.from_si(*v))));
-        cells.extend(sample.measured[3..].iter().map(|v| number(angle.from_si(*v))));
-        cells
-    };
-    let comments = vec![format!(
-        "simulated: {}, noise {} and {}, seed {seed}",
-        machine.mechanism.name(),
-        show_length(noise.position),
-        show_angle(noise.rotation)
-    )];
-    CsvTable { comments, header, rows: listed.iter().zip(samples).map(row).collect() }
 }
