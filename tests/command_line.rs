@@ -291,3 +291,17 @@ fn columns_that_only_look_like_coordinates_are_covariates_or_refused() {
     assert_eq!(capital.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&capital.stderr).contains("did you mean 'sigma_x_mm'"));
 }
+
+#[test]
+fn the_readme_shows_what_the_program_prints() {
+    let folder = tempfile::tempdir().unwrap();
+    let (table5, noisy) = (path("mechanisms/table5.toml"), path("examples/data/hardpoint-noisy.csv"));
+    let print = |args: &[&str]| String::from_utf8(paracal(folder.path(), args).stdout).unwrap();
+    let calibrated = print(&["calibrate", &table5, &noisy, "-o", "calibrated.toml"]);
+    let evaluated = print(&["evaluate", "calibrated.toml", &path("examples/data/hardpoint-targets.csv")]);
+    let readme = common::text("README.md");
+    let shown: Vec<&str> = readme.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert_eq!(shown.len(), 2);
+    assert!(calibrated.ends_with(shown[0]), "the program prints\n{calibrated}");
+    assert!(evaluated.contains(shown[1]), "the program prints\n{evaluated}");
+}
