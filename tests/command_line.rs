@@ -305,3 +305,41 @@ fn the_readme_shows_what_the_program_prints() {
     assert!(calibrated.ends_with(shown[0]), "the program prints\n{calibrated}");
     assert!(evaluated.contains(shown[1]), "the program prints\n{evaluated}");
 }
+
+#[test]
+fn a_model_from_absurd_data_is_written_and_not_trusted() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let text = common::text("examples/data/hardpoint-noisy.csv");
+    let (header, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<Vec<f64>> = rows.lines().map(|l| l.split(',').map(|c| c.parse().unwrap()).collect()).collect();
+    type Change = fn(usize, &mut Vec<f64>);
+    let changes: [(&str, Change); 3] = [
+        ("the sign of z", |_, r| r[8] = -r[8]),
+        ("the signs of the angles", |_, r| r[9..].iter_mut().for_each(|v| *v = -*v)),
+        ("gross errors in every seventh row", |k, r| {
+            if k % 7 == 0 {
+                r[6] += 60.0;
+                r[10] -= 1.5;
+            }
+        }),
+    ];
+    for (name, change) in changes {
+        let line = |(k, row): (usize, &Vec<f64>)| {
+            let mut row = row.clone();
+            change(k, &mut row);
+            row.iter().map(f64::to_string).collect::<Vec<_>>().join(",")
+        };
+        let lines: Vec<String> = rows.iter().enumerate().map(line).collect();
+        std::fs::write(folder.path().join("d.csv"), format!("{header}\n{}\n", lines.join("\n"))).unwrap();
+        for identifier in ["levenberg-marquardt", "least-squares"] {
+            let out = folder.path().join("c.toml");
+            let args = ["calibrate", &table5, "d.csv", "-o", "c.toml", "--identifier", identifier];
+            let output = paracal(folder.path(), &args);
+            let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(3), "{name}, {identifier}: {errors}");
+            assert!(out.exists(), "{name}, {identifier}");
+            std::fs::remove_file(out).unwrap();
+        }
+    }
+}

@@ -93,7 +93,7 @@ fn identify(
     // Only the ratio of the σ is known. Their size enters the covariance, and the balance with a prior, so the
     // fit is repeated with the estimated size until that settles.
     for _ in 0..NOISE_ROUNDS {
-        let Some(estimated) = found.misfit.scale().filter(|s| *s > 0.0) else { break };
+        let Some(estimated) = found.misfit.scale().filter(|s| *s > 0.0 && s.is_finite()) else { break };
         if (estimated / scale - 1.0).abs() < 0.01 {
             break;
         }

@@ -57,6 +57,12 @@ impl Misfit {
         Ok(Self { chi_square: r.norm_squared(), degrees_of_freedom: m - rank, noise_known: task.data.noise.known })
     }
 
+    /// The verdict on a model that cannot even be evaluated at its samples.
+    pub(super) fn beyond_measure(task: &Task<'_>) -> Self {
+        let free = task.data.row_count().saturating_sub(task.mechanism.parameters().len());
+        Self { chi_square: f64::INFINITY, degrees_of_freedom: free, noise_known: task.data.noise.known }
+    }
+
     /// Estimated σ of the readings over the stated one; `None` without degrees of freedom.
     pub fn scale(&self) -> Option<f64> {
         (self.degrees_of_freedom > 0).then(|| (self.chi_square / self.degrees_of_freedom as f64).sqrt())
@@ -67,6 +73,9 @@ impl Misfit {
     pub fn p_value(&self) -> Option<f64> {
         if !self.noise_known || self.degrees_of_freedom == 0 {
             return None;
+        }
+        if self.chi_square.is_infinite() {
+            return Some(0.0);
         }
         ChiSquared::new(self.degrees_of_freedom as f64).ok().map(|d| d.sf(self.chi_square))
     }

@@ -35,6 +35,8 @@ pub struct CalibrationProblem<'a> {
     /// Square root of the weight of each sample; one but for robust fits.
     sample_weights: Vec<f64>,
     poses: Vec<Pose>,
+    /// Poses at the start.
+    first_poses: Vec<Pose>,
     kinds: Vec<Vec<RowKind>>,
     start: DVector<f64>,
     block: MotionBlock,
@@ -64,12 +66,14 @@ impl<'a> CalibrationProblem<'a> {
             whitening: Vec::new(),
             sample_weights: vec![1.0; data.len()],
             poses: Vec::new(),
+            first_poses: Vec::new(),
             start: DVector::from_column_slice(c),
             block: MotionBlock::sized_for(mechanism),
             rows: Rows::sized(kinds[0].len(), own),
             kinds,
         };
         problem.poses = start_poses(mechanism, data)?;
+        problem.first_poses.clone_from(&problem.poses);
         if own > 0 {
             let mut all = vec![None; model.samples()];
             for (k, pose) in problem.poses.iter().enumerate() {
@@ -182,7 +186,9 @@ impl<'a> CalibrationProblem<'a> {
     fn evaluate_sample(&mut self, k: usize, x: &DVector<f64>) -> Result<(), KinematicsError> {
         let (c, own) = x.as_slice().split_at(self.mechanism.parameters().len());
         let sample = self.data.sample(k);
-        let pose = self.mechanism.forward(c, &sample.joints, &sample.conditions, &self.poses[k])?;
+        let forward = |seed: &Pose| self.mechanism.forward(c, &sample.joints, &sample.conditions, seed);
+        // The pose of the time before may be that of a trial that was given up.
+        let pose = forward(&self.poses[k]).or_else(|cause| forward(&self.first_poses[k]).map_err(|_| cause))?;
         self.poses[k] = pose;
         self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
         let (model, index) = self.data.reading(k);

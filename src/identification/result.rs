@@ -86,7 +86,11 @@ impl Identification {
                 problem.covariance_through(&pseudo_inverse) * noise_scale.powi(2)
             }
         };
-        let misfit = Misfit::at(task, &solution.x, problem.poses(), &outliers)?;
+        let misfit = match Misfit::at(task, &solution.x, problem.poses(), &outliers) {
+            // Data that were misread can lead to a model that does not reach its own samples.
+            Err(IdentifyError::Solve(_)) => Misfit::beyond_measure(task),
+            other => other?,
+        };
         if !misfit.noise_known && misfit.degrees_of_freedom == 0 {
             // Nothing tells how large the noise is, and so nothing how well a parameter is known.
             determined.fill(false);

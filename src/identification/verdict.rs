@@ -75,7 +75,7 @@ pub(super) fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identific
 pub(super) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
     if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: too few would be left to fit".into());
+        warnings.push("no errors on held-out rows: what is left without them cannot be fitted".into());
     }
     if result.registration.applied {
         warnings.push(

@@ -96,6 +96,10 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for GaussNewton {
         let size = scale.component_mul(&step.delta).norm() / scale.component_mul(&x).norm().max(f64::MIN_POSITIVE);
         x += &step.delta;
         if !self.evaluate(*problem, &x) {
+            // A full step led out of the problem's domain. Where the run stood before is kept, as no result.
+            x -= &step.delta;
+            self.progress.failure = None;
+            self.evaluate(*problem, &x);
             state.param = Some(x);
             return Ok((state.stop(TerminationReason::SolverExit("failed".into())), None));
         }
