@@ -183,7 +183,7 @@ fn small_strokes_leave_parameters_undetermined_and_poses_known() {
     let noise = paper_noise();
     let corners = space.corners();
     let poses: Vec<Pose> = (0..20).map(|k| corners[37 * k % 64]).collect();
-    const DRAWS: u64 = 400;
+    const DRAWS: u64 = 2000;
     let coverage: f64 = monte_carlo(DRAWS, 12, |_, rng| {
         let truth = nominal.with_values(&draw_parameters(nominal, None, rng), nominal.home()).unwrap();
         let samples = simulate(nominal, truth.as_ref(), &poses, &space.convention, &noise, rng).unwrap();

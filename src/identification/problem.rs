@@ -196,6 +196,7 @@ impl<'a> CalibrationProblem<'a> {
         if self.rows.residual.len() != n {
             self.rows = Rows::sized(n, own.len());
         }
+        self.rows.clear();
         model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows);
         Ok(())
     }

@@ -75,7 +75,7 @@ pub trait MeasurementModel: Debug + Send + Sync {
 
     /// Residual and derivatives of one sample at a pose of the platform.
     ///
-    /// `out` has been sized for the rows of the sample and is overwritten.
+    /// `out` has been sized for the rows of the sample and is zero; entries that are not zero are set.
     fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
 
     /// Covariance of the reading (k × k), SI.
@@ -130,5 +130,12 @@ impl Rows {
     /// Zeros for `k` rows and `p` own parameters.
     pub fn sized(k: usize, p: usize) -> Self {
         Self { residual: DVector::zeros(k), motion: DMatrix::zeros(k, 6), own: DMatrix::zeros(k, p) }
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.residual.fill(0.0);
+        self.motion.fill(0.0);
+        self.own.fill(0.0);
     }
 }
