@@ -119,7 +119,6 @@ impl MeasurementModel for TargetMeasurement {
 
     fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
         let turn = frames.base.rotation.matrix();
-        out.own.fill(0.0);
         let (mut row, mut unknown) = (0, 0);
         for ((target, place), reading) in self.targets.iter().zip(self.places(own)).zip(&self.readings[sample]) {
             let point = frames.base.place(&pose.place(&place));
