@@ -9,7 +9,7 @@ use std::error::Error;
 
 use paracal::files::{Machine, read_measurement};
 use paracal::identification::{
-    CalibrationOptions, CalibrationProblem, Identification, Identifier, IdentifyError, Task, calibrate,
+    CalibrationOptions, CalibrationProblem, Identification, Identifier, IdentifyError, Task, calibrate, choose_prior,
 };
 use paracal::nalgebra::{DMatrix, DVector};
 use paracal::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution};
@@ -25,12 +25,10 @@ impl Identifier for TruncatedSvd {
     }
 
     fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
-        let mut problem = CalibrationProblem::new(task, None, 1.0)?;
+        // The prior that the task asks for, or an error if the rows are too few.
+        let prior = choose_prior(task, 1.0)?;
+        let mut problem = CalibrationProblem::new(task, prior, 1.0)?;
         let (m, n) = problem.shape();
-        if m < n {
-            let samples = task.data.len();
-            return Err(IdentifyError::TooFewRows { rows: m, samples, unknowns: n, needed: n.div_ceil(m / samples) });
-        }
         let (mut residual, mut jacobian) = (DVector::zeros(m), DMatrix::zeros(m, n));
         let mut x = problem.start();
         let (mut history, mut initial_cost) = (Vec::new(), f64::NAN);
@@ -49,6 +47,8 @@ impl Identifier for TruncatedSvd {
                 break;
             }
         }
+        // What is reported belongs to the last point.
+        problem.linearize(&x, &mut residual, &mut jacobian).map_err(|e| IdentifyError::Other(e.to_string()))?;
         let convergence = Convergence::SmallStep;
         let solution = LeastSquaresSolution { x, residual, jacobian, initial_cost, history, convergence };
         Identification::from_solution(task, &problem, &solution, 1.0, vec![1.0; task.data.len()], Vec::new())

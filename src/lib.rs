@@ -77,8 +77,8 @@ pub mod simulation;
 pub mod solve;
 pub mod units;
 
-/// The linear algebra in the public signatures, so that versions cannot mismatch.
-pub use nalgebra;
+/// The linear algebra and the random numbers in the public signatures, so that versions cannot mismatch.
+pub use {nalgebra, rand};
 
 /// The examples of the README are compiled with the documentation.
 #[cfg(doctest)]

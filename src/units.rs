@@ -138,6 +138,8 @@ pub fn parse_quantity(text: &str, dimension: Dimension) -> Result<f64, UnitError
         Dimension::Angle => "0.5arcsec",
         Dimension::Mass => "50kg",
         Dimension::Temperature => "20degC",
+        Dimension::Time => "5s",
+        Dimension::Force => "10N",
         _ => "2um",
     };
     let bad = || UnitError::Quantity { found: text.into(), example };

@@ -22,6 +22,7 @@ struct Planar {
     specs: Vec<ParameterSpec>,
     values: Vec<f64>,
     joints: Vec<JointSpec>,
+    home: Pose,
     /// A mistake to be caught: the sign of J2 for the base points' x.
     wrong_sign: bool,
 }
@@ -47,7 +48,7 @@ impl Planar {
             }
             joints.push(JointSpec { name: format!("leg{}", leg + 1), dimension: Dimension::Length, stroke: None });
         }
-        Self { specs, values, joints, wrong_sign }
+        Self { specs, values, joints, home: Pose::identity(), wrong_sign }
     }
 }
 
@@ -61,14 +62,14 @@ impl Mechanism for Planar {
     fn values(&self) -> &[f64] {
         &self.values
     }
-    fn with_values(&self, c: &[f64], _home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        Ok(Box::new(Self { values: c.to_vec(), ..self.clone() }))
+    fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
+        Ok(Box::new(Self { values: c.to_vec(), home, ..self.clone() }))
     }
     fn joints(&self) -> &[JointSpec] {
         &self.joints
     }
     fn home(&self) -> Pose {
-        Pose::identity()
+        self.home
     }
     fn equations(&self) -> usize {
         6

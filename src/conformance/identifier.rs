@@ -1,6 +1,5 @@
 //! Laws of an [`Identifier`].
 
-use nalgebra::DVector;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -39,7 +38,7 @@ pub fn identifier(
         noise: *noise,
         poses: (0..samples).map(|_| workspace.random(&mut rng)).collect(),
     };
-    // One millionth of the size: small enough that every mechanism converges, a thousand times the noise.
+    // A thousand times the noise: small enough that every mechanism converges.
     let sd = 1e3 * noise.position;
     let truth = mechanism
         .with_values(&draw_parameters(mechanism, Some(sd), &mut rng), mechanism.home())
@@ -88,6 +87,12 @@ impl Bench<'_> {
         if !(worst <= EXACT) {
             return Err(violation(LAW, format!("other poses are missed by {worst:.3e} (m, rad)")));
         }
+        if found.mechanism_values().len() != truth.values().len() {
+            return Err(violation(
+                LAW,
+                format!("{} of {} parameters", found.mechanism_values().len(), truth.values().len()),
+            ));
+        }
         for (p, truth) in found.parameters.iter().zip(truth.values()) {
             let limit = EXACT + p.sigma.unwrap_or(f64::INFINITY);
             if !((p.value - truth).abs() <= limit) {
@@ -117,8 +122,11 @@ impl Bench<'_> {
             let found = self.identify(LAW, &self.data(truth, &self.poses, true, 100 + k)?)?;
             let scaled =
                 found.parameters.iter().zip(truth.values()).filter_map(|(p, t)| Some((p.value - t) / p.sigma?));
-            let squares: DVector<f64> = DVector::from_iterator(found.parameters.len(), scaled.map(|z| z * z));
-            Ok(squares.mean())
+            let squares: Vec<f64> = scaled.map(|z: f64| z * z).collect();
+            if squares.is_empty() {
+                return Err(violation(LAW, "no parameter has a sigma"));
+            }
+            Ok(squares.iter().sum::<f64>() / squares.len() as f64)
         };
         let means: Result<Vec<f64>, Violation> = monte_carlo(TRIALS, 5, trial).into_iter().collect();
         let means = means?;

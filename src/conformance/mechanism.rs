@@ -62,6 +62,15 @@ fn sizes(m: &dyn Mechanism) -> Result<(), Violation> {
     if again.values() != values {
         return Err(violation(LAW, "with_values changes the values"));
     }
+    let elsewhere = m.home().moved(&Vector6::new(1e-3, -2e-3, 1e-3, 1e-3, 2e-3, -1e-3));
+    let moved =
+        m.with_values(values, elsewhere).map_err(|e| violation(LAW, format!("another home is refused: {e}")))?;
+    if elsewhere.motion_to(&moved.home()).amax() > 1e-12 {
+        return Err(violation(LAW, "with_values does not take the home that it is given"));
+    }
+    if m.joints().is_empty() {
+        return Err(violation(LAW, "there is no joint"));
+    }
     Ok(())
 }
 

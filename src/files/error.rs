@@ -9,6 +9,7 @@ use crate::units::UnitError;
 
 /// What can be wrong with a file; every message names the file, the place and the remedy.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// It cannot be read.
     #[error("{}: cannot be read: {cause}; check its name and permissions", path.display())]

@@ -7,6 +7,7 @@ use crate::solve::SolveError;
 
 /// Why an identification has no result.
 #[derive(Clone, Debug, Error)]
+#[non_exhaustive]
 pub enum IdentifyError {
     /// No sample, or none with a reading.
     #[error("the data have no reading; add rows with a measured pose or targets")]
@@ -32,6 +33,14 @@ pub enum IdentifyError {
     /// A prior has no meaning with unweighted rows.
     #[error("a prior needs rows that are weighted by the noise; drop `--weights none` or `--prior tolerance`")]
     PriorWithoutWeights,
+    /// A measurement model has no start for its own parameters.
+    #[error("the measurement has {expected} parameters of its own, but {found} finite start values")]
+    Start {
+        /// Parameters of the measurement.
+        expected: usize,
+        /// Start values it gave.
+        found: usize,
+    },
     /// The kinematics fails at one sample.
     #[error("data row {row}{label}: {cause}")]
     Sample {

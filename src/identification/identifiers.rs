@@ -43,7 +43,7 @@ pub struct LevenbergMarquardt {
 }
 
 /// Names of the identifiers that [`identifier`] makes.
-pub const IDENTIFIERS: [&str; 3] = ["levenberg-marquardt", "least-squares", "robust"];
+pub const IDENTIFIERS: &[&str] = &["levenberg-marquardt", "least-squares", "robust"];
 
 /// The identifier of a name, with its default settings.
 pub fn identifier(name: &str) -> Option<Box<dyn Identifier>> {
@@ -135,7 +135,7 @@ fn solve(
 ///
 /// # Errors
 /// [`IdentifyError::TooFewRows`] if the data alone cannot determine the parameters and there is no prior.
-pub(super) fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, IdentifyError> {
+pub fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, IdentifyError> {
     let own = task.data.model().own_parameters().len();
     if task.data.row_count() == 0 {
         return Err(IdentifyError::Empty);

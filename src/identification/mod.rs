@@ -45,7 +45,7 @@ pub use calibration::{Calibration, CalibrationOptions, calibrate};
 pub use error::IdentifyError;
 pub use errors_of_model::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
 pub use held_out::{HeldOut, Holdout};
-pub use identifiers::{IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, identifier};
+pub use identifiers::{IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, choose_prior, identifier};
 pub use misfit::Misfit;
 pub use plausibility::{Implausible, Plausibility, plausibility};
 pub use prediction::{PredictedError, pose_covariance, predicted_errors};

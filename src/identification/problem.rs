@@ -79,7 +79,11 @@ impl<'a> CalibrationProblem<'a> {
             for (k, pose) in problem.poses.iter().enumerate() {
                 all[data.reading(k).1] = Some(*pose);
             }
-            let own = model.start(&all, &data.frames);
+            let found = model.start(&all, &data.frames);
+            if found.len() != own || found.iter().any(|v| !v.is_finite()) {
+                return Err(IdentifyError::Start { expected: own, found: found.len() });
+            }
+            let own = found;
             problem.start = DVector::from_iterator(specs + own.len(), c.iter().chain(&own).copied());
         }
         for k in 0..data.len() {
@@ -127,7 +131,7 @@ impl<'a> CalibrationProblem<'a> {
         let mut sum = DMatrix::zeros(a.nrows(), a.nrows());
         let mut next = 0;
         for (k, (first, n)) in self.sample_rows().into_iter().enumerate() {
-            let part = a.columns(first, n) * self.whitening[k].to_matrix();
+            let part = a.columns(first, n) * self.whitening[k].to_matrix() * self.sample_weights[k];
             sum += &part * &self.covariances[k] * part.transpose();
             next = first + n;
         }

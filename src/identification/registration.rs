@@ -16,6 +16,7 @@ use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares};
+use crate::units::Dimension;
 
 /// Result of a registration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +71,12 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         return Ok(unregistered(f64::NAN));
     }
     let size = characteristic_length(mechanism);
-    let tolerance = mechanism.parameters().iter().filter_map(|s| s.tolerance).fold(0.0, f64::max);
+    let tolerance = mechanism
+        .parameters()
+        .iter()
+        .filter(|s| s.dimension == Dimension::Length)
+        .filter_map(|s| s.tolerance)
+        .fold(0.0, f64::max);
     let near = if tolerance > 0.0 { (TOLERANCES * tolerance).min(PART_OF_SIZE * size) } else { PART_OF_SIZE * size };
     let target = data.model().target_frame();
     let before = misfit(&pairs, &Frames::default(), size);

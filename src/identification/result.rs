@@ -7,7 +7,7 @@ use super::problem::{CalibrationProblem, Weights};
 use super::{IdentifyError, Prior, Task};
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
-use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution};
+use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution, SolveError};
 
 /// One identified parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -185,7 +185,7 @@ pub(super) fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool
     (inverse.columns(0, m).into_owned(), kept.iter().filter(|k| **k).count(), determined)
 }
 
-/// Residual and Jacobian of a problem at `x`.
+/// Residual and Jacobian of a problem at `x`, checked to be numbers: a decomposition of NaN need not end.
 pub(super) fn linearized(
     problem: &mut CalibrationProblem<'_>,
     x: &DVector<f64>,
@@ -194,6 +194,9 @@ pub(super) fn linearized(
     let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
     problem
         .linearize(x, &mut r, &mut j)
-        .map_err(|cause| IdentifyError::Solve(crate::solve::SolveError::Evaluation { iterations: 0, cause }))?;
+        .map_err(|cause| IdentifyError::Solve(SolveError::Evaluation { iterations: 0, cause }))?;
+    if r.iter().chain(j.iter()).any(|v| !v.is_finite()) {
+        return Err(IdentifyError::Solve(SolveError::NotFinite { iterations: 0 }));
+    }
     Ok((r, j))
 }

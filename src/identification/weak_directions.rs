@@ -19,7 +19,7 @@ pub struct DataSpectrum {
     pub values: Vec<f64>,
     /// Directions as columns, in parameters divided by their tolerance.
     pub directions: DMatrix<f64>,
-    /// Tolerance of each parameter, m; the characteristic scale 1 mm stands in where none is stated.
+    /// Tolerance of each parameter, SI; 1e-3 stands in where none is stated.
     pub scale: Vec<f64>,
     /// True if every parameter has a tolerance.
     pub scaled_by_tolerance: bool,
@@ -38,8 +38,11 @@ pub struct WeakDirection {
 }
 
 impl DataSpectrum {
-    /// At the values of the mechanism.
-    pub(super) fn at_start(task: &Task<'_>, noise_scale: f64) -> Result<Self, IdentifyError> {
+    /// At the values of the mechanism, for σ of the readings times `noise_scale`.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if the rows have no value there.
+    pub fn at_start(task: &Task<'_>, noise_scale: f64) -> Result<Self, IdentifyError> {
         let task = Task { weights: Weights::Noise, ..*task };
         let mut problem = CalibrationProblem::new(&task, None, noise_scale)?;
         let start = problem.start();
@@ -47,7 +50,8 @@ impl DataSpectrum {
         Ok(Self::of(task.mechanism, &j))
     }
 
-    /// Of a whitened Jacobian whose first columns belong to the mechanism and whose others are projected out.
+    /// Of a whitened Jacobian of finite numbers whose first columns belong to the mechanism and whose others are
+    /// projected out.
     pub fn of(mechanism: &dyn Mechanism, jacobian: &DMatrix<f64>) -> Self {
         let specs = mechanism.parameters();
         let n = specs.len();
@@ -55,7 +59,9 @@ impl DataSpectrum {
         let mut part = jacobian.columns(0, n).into_owned();
         let own = jacobian.ncols() - n;
         if own > 0 {
-            let q = jacobian.columns(n, own).into_owned().qr().q();
+            let mut columns = jacobian.columns(n, own).into_owned();
+            columns.column_iter_mut().for_each(|mut c| c.unscale_mut(c.amax().max(f64::MIN_POSITIVE)));
+            let q = columns.qr().q();
             part -= &q * (q.transpose() * &part);
         }
         for (k, s) in scale.iter().enumerate() {
@@ -64,10 +70,13 @@ impl DataSpectrum {
         if part.nrows() < n {
             part = part.resize_vertically(n, 0.0);
         }
+        // Whitened rows of absurdly small noise overflow when they are squared; only ratios matter for directions.
+        let largest = part.amax().max(f64::MIN_POSITIVE);
+        part.unscale_mut(largest);
         let svd = part.svd(false, true);
         let directions = svd.v_t.map_or_else(|| DMatrix::identity(n, n), |v| v.transpose());
         Self {
-            values: svd.singular_values.iter().copied().collect(),
+            values: svd.singular_values.iter().map(|s| s * largest).collect(),
             directions,
             scaled_by_tolerance: specs.iter().all(|s| s.tolerance.is_some()),
             scale,

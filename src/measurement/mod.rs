@@ -68,9 +68,9 @@ pub trait MeasurementModel: Debug + Send + Sync {
     }
 
     /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;
-    /// `None` stands for a sample that is left out.
+    /// `None` stands for a sample that is left out. Their nominal values if nothing better is known.
     fn start(&self, _poses: &[Option<Pose>], _frames: &Frames) -> Vec<f64> {
-        Vec::new()
+        self.own_parameters().iter().map(|p| p.nominal).collect()
     }
 
     /// Residual and derivatives of one sample at a pose of the platform.

@@ -6,6 +6,7 @@ use crate::solve::NewtonError;
 
 /// A geometry that is no mechanism.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum GeometryError {
     /// Not six legs.
     #[error("a six-hardpoint mechanism has six legs, found {found}")]
@@ -72,6 +73,9 @@ pub enum GeometryError {
     /// No home pose fits the lengths.
     #[error("no home pose fits the leg lengths: {0}; state [home] or correct the lengths")]
     Home(KinematicsError),
+    /// Anything else, for mechanisms of a consumer.
+    #[error("{0}")]
+    Other(String),
     /// A vector of parameters has the wrong length.
     #[error("expected {expected} parameters, found {found}")]
     ParameterCount {
@@ -84,6 +88,7 @@ pub enum GeometryError {
 
 /// A pose or a set of joints that the kinematics cannot serve.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum KinematicsError {
     /// The joints lead to no pose that is connected with the start.
     #[error(

@@ -159,6 +159,9 @@ pub fn motion_block_by_closure<M: Mechanism + ?Sized>(
         qr.q_tr_mul(&mut rhs);
         upper.solve_upper_triangular(&rhs.rows(0, 6).into_owned())
     };
+    if work.parameters.iter().chain(work.joints.iter()).any(|v| !v.is_finite()) {
+        return Err(KinematicsError::NotFinite { what: "a derivative of the closure".into() });
+    }
     let singular = || KinematicsError::Singular { pivot_ratio };
     out.parameters.copy_from(&-apply(work.parameters).ok_or_else(singular)?);
     out.joints.copy_from(&-apply(work.joints).ok_or_else(singular)?);

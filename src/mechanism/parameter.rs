@@ -67,7 +67,7 @@ pub struct ParameterSpec {
     pub name: String,
     /// What it measures; values are in SI.
     pub dimension: Dimension,
-    /// Value of the design.
+    /// Value of the design, SI; NaN if there is none.
     pub nominal: f64,
     /// 1σ of manufacture, if it is known.
     pub tolerance: Option<f64>,
@@ -82,6 +82,6 @@ pub struct JointSpec {
     pub name: String,
     /// What it measures; values are in SI.
     pub dimension: Dimension,
-    /// Smallest and largest allowed coordinate.
+    /// Smallest and largest allowed coordinate, SI.
     pub stroke: Option<[f64; 2]>,
 }

@@ -300,7 +300,13 @@ impl Mechanism for SixHardpoint {
         let legs = self.legs(c, joints);
         let (mut residual, mut motion) = (Vector6::zeros(), Matrix6::zeros());
         legs.equations(pose, &mut residual, &mut motion);
-        let inverse = motion.try_inverse().ok_or(KinematicsError::Singular { pivot_ratio: 0.0 })?;
+        let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
+        let inverse = motion.try_inverse().ok_or(singular(0.0))?;
+        // The product of the two sizes bounds the condition; its inverse stands for the ratio of the pivots.
+        let ratio = 1.0 / (inverse.norm() * motion.norm());
+        if !(ratio > 1e-13) {
+            return Err(singular(ratio));
+        }
         for i in 0..LEGS {
             let (row, held) = (leg_row(&motion, i, pose), inverse.column(i));
             for (k, value) in row.iter().enumerate() {

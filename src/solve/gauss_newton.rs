@@ -15,14 +15,14 @@ use super::{LeastSquaresOptions, LeastSquaresProblem};
 ///
 /// # Requirements on the problem
 /// A start so near that full steps converge, and a Jacobian of full column rank.
-pub struct GaussNewton {
+pub(super) struct GaussNewton {
     options: LeastSquaresOptions,
     progress: Progress,
 }
 
 impl GaussNewton {
     /// A solver for a problem of that shape.
-    pub fn new(options: LeastSquaresOptions, shape: (usize, usize)) -> Self {
+    pub(super) fn new(options: LeastSquaresOptions, shape: (usize, usize)) -> Self {
         Self { options, progress: Progress::new(shape) }
     }
 
@@ -150,8 +150,8 @@ impl<O: LeastSquaresProblem> Jacobian for Bridge<'_, O> {
     }
 }
 
-/// Runs argmin's built-in Gauss–Newton. It stops on the change of the residual's length, so its history has
-/// only the last state, and a run that did not converge is turned into an error here.
+/// Runs argmin's built-in Gauss–Newton. It stops on the change of the residual's length, so its history
+/// repeats the last state, and a run that did not converge is turned into an error here.
 pub(super) fn run_builtin<O: LeastSquaresProblem>(
     problem: &mut O,
     start: DVector<f64>,

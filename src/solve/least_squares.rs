@@ -34,10 +34,10 @@ pub trait LeastSquaresProblem {
 /// Which solver runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LeastSquaresMethod {
-    /// [`LevenbergMarquardt`].
+    /// Damped Gauss–Newton, with plain steps while they help.
     #[default]
     LevenbergMarquardt,
-    /// [`GaussNewton`] by QR: full steps, as in the paper.
+    /// Gauss–Newton by QR: full steps, as in the paper.
     GaussNewton,
     /// argmin's built-in Gauss–Newton on the normal equations, through argmin-math.
     ArgminGaussNewton,
@@ -126,8 +126,9 @@ pub struct LeastSquaresSolution {
 
 /// Why there is no minimum.
 #[derive(Clone, Debug, Error)]
+#[non_exhaustive]
 pub enum SolveError {
-    /// The iterations were used up.
+    /// The iterations were used up, or no step helped.
     #[error("no convergence after {iterations} iterations: cost {cost:.6e}, last step {step:.3e}")]
     NoConvergence {
         /// Accepted steps.
@@ -152,7 +153,7 @@ pub enum SolveError {
     /// The problem has no value at the start.
     #[error("the problem cannot be evaluated at the start: {0}")]
     Start(EvaluationError),
-    /// The problem lost its value at a full step and the solver does not shorten steps.
+    /// The problem has no value where it has to be evaluated.
     #[error("the problem cannot be evaluated after {iterations} iterations: {cause}")]
     Evaluation {
         /// Accepted steps.

@@ -27,7 +27,7 @@ use super::{LeastSquaresOptions, LeastSquaresProblem};
 ///   plateau where the residual no longer tells that unknown, and no later step would find back.
 /// - Near the minimum the cost changes by less than its rounding error, so it cannot rank two points there. A
 ///   step that leaves the cost as it was and reduces the gradient is accepted too.
-pub struct LevenbergMarquardt {
+pub(super) struct LevenbergMarquardt {
     options: LeastSquaresOptions,
     progress: Progress,
     trial_residual: DVector<f64>,
@@ -56,7 +56,7 @@ const HOPELESS_DAMPING_WHERE_FLAT: f64 = 1e3;
 
 impl LevenbergMarquardt {
     /// A solver for a problem of that shape.
-    pub fn new(options: LeastSquaresOptions, shape: (usize, usize)) -> Self {
+    pub(super) fn new(options: LeastSquaresOptions, shape: (usize, usize)) -> Self {
         Self {
             options,
             progress: Progress::new(shape),

@@ -13,15 +13,13 @@ pub enum LinearMethod {
     NormalThenQr,
 }
 
-/// A step, and which way it was computed.
+/// A step, and what it does.
 #[derive(Clone, Debug)]
-pub struct LinearStep {
+pub(super) struct LinearStep {
     /// `δ`.
     pub delta: DVector<f64>,
     /// Length of `J δ`: how far the residual moves, in units of the residual.
     pub moved: f64,
-    /// True if it came from QR.
-    pub by_qr: bool,
 }
 
 /// Smallest squared pivot of the scaled Cholesky factor that is still trusted; the step then has about six
@@ -71,12 +69,12 @@ pub(super) fn solve_step(
         LinearMethod::NormalThenQr => by_normal_equations(j, r, scale, damping),
         LinearMethod::Qr => None,
     };
-    let (delta, by_qr) = match normal {
-        Some(delta) => (delta, false),
-        None => (by_qr(j, r, scale, damping)?, true),
+    let delta = match normal {
+        Some(delta) => delta,
+        None => by_qr(j, r, scale, damping)?,
     };
     let moved = (j * &delta).norm();
-    (delta.iter().all(|v| v.is_finite()) && moved.is_finite()).then_some(LinearStep { delta, moved, by_qr })
+    (delta.iter().all(|v| v.is_finite()) && moved.is_finite()).then_some(LinearStep { delta, moved })
 }
 
 fn by_normal_equations(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {

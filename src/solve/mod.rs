@@ -4,8 +4,8 @@
 //!
 //! | problem | function | solver |
 //! |---|---|---|
-//! | six equations, six unknowns: forward kinematics (eqs. 4–11) | [`newton`] | [`Newton`]: LU, static sizes, damped |
-//! | many equations: identification (eq. 27), registration | [`least_squares`] | [`LevenbergMarquardt`]; [`GaussNewton`] by QR; argmin's own Gauss–Newton |
+//! | six equations, six unknowns: forward kinematics (eqs. 4–11) | [`newton`] | `Newton`: LU, static sizes, damped |
+//! | many equations: identification (eq. 27), registration | [`least_squares`] | Levenberg–Marquardt; Gauss–Newton by QR; argmin's own Gauss–Newton |
 //!
 //! **Why a function and not argmin's `run`:** `run` returns `Ok` when the iterations are used up, and when a
 //! residual is not a number. Here everything but convergence is an error that carries the reason, the
@@ -26,11 +26,11 @@ mod linear;
 mod newton;
 mod state;
 
-pub use gauss_newton::GaussNewton;
+use gauss_newton::GaussNewton;
 pub use least_squares::{
     Convergence, EvaluationError, IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem,
     LeastSquaresSolution, SolveError, least_squares,
 };
-pub use levenberg_marquardt::LevenbergMarquardt;
-pub use linear::{LinearMethod, LinearStep};
-pub use newton::{Newton, NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
+use levenberg_marquardt::LevenbergMarquardt;
+pub use linear::LinearMethod;
+pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};

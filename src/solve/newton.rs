@@ -84,7 +84,7 @@ pub enum NewtonError {
 
 /// The solver; see the module's page.
 #[derive(Clone, Debug)]
-pub struct Newton {
+pub(super) struct Newton {
     options: NewtonOptions,
     residual: Vector6<f64>,
     jacobian: Matrix6<f64>,
@@ -106,7 +106,7 @@ const HALVINGS: u32 = 20;
 
 impl Newton {
     /// A solver with these options.
-    pub fn new(options: NewtonOptions) -> Self {
+    pub(super) fn new(options: NewtonOptions) -> Self {
         Self {
             options,
             residual: Vector6::zeros(),

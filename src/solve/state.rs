@@ -15,7 +15,7 @@ static NO_COUNTS: LazyLock<HashMap<String, u64>> = LazyLock::new(HashMap::new);
 
 /// Iterate, its cost, and why the run ended.
 #[derive(Clone, Debug)]
-pub struct SolverState<P> {
+pub(super) struct SolverState<P> {
     pub(super) param: Option<P>,
     pub(super) cost: f64,
     pub(super) max_iterations: u64,
