@@ -41,7 +41,7 @@
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo |
 //! | [`files`] | mechanism files (TOML), measurements and pose lists (CSV) |
 //! | [`report`] | results as text and JSON |
-//! | `conformance` | test suites for implementations of the traits (feature `conformance`) |
+//! | `conformance` | test suites for mechanisms and identifiers (feature `conformance`) |
 //!
 //! # An example
 //!

@@ -1,4 +1,4 @@
-//! Test suites for implementations of the traits (feature `conformance`).
+//! Test suites for implementations of `Mechanism` and `Identifier` (feature `conformance`).
 //!
 //! A mechanism or an identifier that was written elsewhere is checked with one call in one test:
 //!
