@@ -1,7 +1,7 @@
 //! Errors of a model on measured data; nothing is fitted.
 
 use super::IdentifyError;
-use super::problem::sample_error;
+use super::problem::{own_start, pose_from_home};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::Mechanism;
 use crate::pose::Pose;
@@ -67,21 +67,9 @@ impl ModelErrors {
 /// # Errors
 /// [`IdentifyError::Sample`] if a sample has no pose.
 pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
-    let model = data.model();
-    let count = model.own_parameters().len();
-    let mut poses = Vec::with_capacity(data.len());
-    for k in 0..data.len() {
-        poses.push(predict(mechanism, data, k)?);
-    }
-    let own = if own.len() == count {
-        own.to_vec()
-    } else {
-        let mut all = vec![None; model.samples()];
-        for (k, pose) in poses.iter().enumerate() {
-            all[data.reading(k).1] = Some(*pose);
-        }
-        model.start(&all, &data.frames)
-    };
+    let count = data.model().own_parameters().len();
+    let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
+    let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
     let errors = |(k, pose): (usize, &Pose)| {
         let kinds = data.rows(k);
         let mut rows = Rows::sized(kinds.len(), count);
@@ -95,11 +83,4 @@ pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Resul
         PoseErrors { row: data.sample(k).row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
     };
     Ok(ModelErrors { samples: poses.iter().enumerate().map(errors).collect() })
-}
-
-fn predict(mechanism: &dyn Mechanism, data: &Dataset, k: usize) -> Result<Pose, IdentifyError> {
-    let sample = data.sample(k);
-    mechanism
-        .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
-        .map_err(|cause| sample_error(data, k, cause))
 }

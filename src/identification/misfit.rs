@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::problem::{CalibrationProblem, Weights};
-use super::result::linearized;
+use super::result::{linearized, with_unit_columns};
 use super::{IdentifyError, Task};
 use crate::pose::Pose;
 
@@ -36,13 +36,8 @@ impl Misfit {
         let data = task.data.subset(&kept);
         let mut problem = CalibrationProblem::new(&Task { data: &data, ..weighted }, None, 1.0)?;
         problem.start_from(kept.iter().map(|k| poses[*k]));
-        let (mut r, mut j) = linearized(&mut problem, x)?;
-        for mut column in j.column_iter_mut() {
-            let norm = column.norm();
-            if norm > 0.0 {
-                column.unscale_mut(norm);
-            }
-        }
+        let (mut r, j) = linearized(&mut problem, x)?;
+        let (j, _) = with_unit_columns(j);
         let (m, n) = j.shape();
         let svd = j.svd(true, false);
         let largest = svd.singular_values.max();

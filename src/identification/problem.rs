@@ -54,8 +54,7 @@ impl<'a> CalibrationProblem<'a> {
         if data.is_empty() {
             return Err(IdentifyError::Empty);
         }
-        let model = data.model();
-        let own = model.own_parameters().len();
+        let own = data.model().own_parameters().len();
         let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| data.rows(k)).collect();
         let (specs, c) = (mechanism.parameters().len(), mechanism.values());
         let mut problem = Self {
@@ -75,16 +74,11 @@ impl<'a> CalibrationProblem<'a> {
         problem.poses = start_poses(mechanism, data)?;
         problem.first_poses.clone_from(&problem.poses);
         if own > 0 {
-            let mut all = vec![None; model.samples()];
-            for (k, pose) in problem.poses.iter().enumerate() {
-                all[data.reading(k).1] = Some(*pose);
-            }
-            let found = model.start(&all, &data.frames);
+            let found = own_start(data, &problem.poses);
             if found.len() != own || found.iter().any(|v| !v.is_finite()) {
                 return Err(IdentifyError::Start { expected: own, found: found.len() });
             }
-            let own = found;
-            problem.start = DVector::from_iterator(specs + own.len(), c.iter().chain(&own).copied());
+            problem.start = DVector::from_iterator(specs + own, c.iter().chain(&found).copied());
         }
         for k in 0..data.len() {
             let covariance = problem.covariance_of(k)?;
@@ -208,20 +202,34 @@ impl<'a> CalibrationProblem<'a> {
 
 /// Forward kinematics of each sample at the mechanism's values, from home or, if that fails, from the reading.
 fn start_poses(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pose>, IdentifyError> {
-    let (c, home) = (mechanism.values(), mechanism.home());
     let solve = |k: usize| {
-        let sample = data.sample(k);
-        let forward = |seed: &Pose| mechanism.forward(c, &sample.joints, &sample.conditions, seed);
-        forward(&home).or_else(|cause| {
-            let (model, index) = data.reading(k);
-            let seed = model.rigid_pose(index).map(|p| data.frames.platform(&p));
-            seed.and_then(|seed| forward(&seed).ok()).ok_or_else(|| sample_error(data, k, cause))
+        pose_from_home(mechanism, data, k).or_else(|error| {
+            let (sample, (model, index)) = (data.sample(k), data.reading(k));
+            let seed = model.rigid_pose(index).map(|p| data.frames.platform(&p)).ok_or_else(|| error.clone())?;
+            mechanism.forward(mechanism.values(), &sample.joints, &sample.conditions, &seed).map_err(|_| error)
         })
     };
     (0..data.len()).map(solve).collect()
 }
 
-pub(super) fn sample_error(data: &Dataset, k: usize, cause: KinematicsError) -> IdentifyError {
+/// Forward kinematics of the `k`-th sample at the mechanism's values, from home.
+pub(super) fn pose_from_home(mechanism: &dyn Mechanism, data: &Dataset, k: usize) -> Result<Pose, IdentifyError> {
+    let sample = data.sample(k);
+    mechanism
+        .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
+        .map_err(|cause| sample_error(data, k, cause))
+}
+
+/// Start values of the measurement's own parameters, for the poses of the samples of `data`.
+pub(super) fn own_start(data: &Dataset, poses: &[Pose]) -> Vec<f64> {
+    let mut all = vec![None; data.model().samples()];
+    for (k, pose) in poses.iter().enumerate() {
+        all[data.reading(k).1] = Some(*pose);
+    }
+    data.model().start(&all, &data.frames)
+}
+
+fn sample_error(data: &Dataset, k: usize, cause: KinematicsError) -> IdentifyError {
     let sample = data.sample(k);
     let label = sample.id.as_ref().map_or(String::new(), |id| format!(" ({id})"));
     IdentifyError::Sample { row: sample.row, label, cause }

@@ -11,7 +11,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 
 use super::IdentifyError;
-use super::problem::sample_error;
+use super::problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
@@ -113,14 +113,11 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
 fn pairs(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pair>, IdentifyError> {
     let mut pairs = Vec::new();
     for k in 0..data.len() {
-        let sample = data.sample(k);
         let (model, index) = data.reading(k);
         let full = model.rigid_pose(index);
         let point = model.point(index).map(|p| (p.position, p.place));
         let Some((point, place)) = full.map(|p| (p.position, Vector3::zeros())).or(point) else { continue };
-        let nominal = mechanism
-            .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
-            .map_err(|cause| sample_error(data, k, cause))?;
+        let nominal = pose_from_home(mechanism, data, k)?;
         pairs.push(Pair { nominal, point, place, rotation: full.map(|p| p.rotation) });
     }
     // Attitudes are worth more than points: samples without one are left out while enough others have one.

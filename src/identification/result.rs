@@ -149,15 +149,22 @@ impl Identification {
     }
 }
 
+/// A matrix with its columns scaled to length one, and what they were divided by: their lengths, or one for columns of
+/// zeros.
+pub(super) fn with_unit_columns(mut j: DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
+    let lengths = j.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 });
+    let lengths: Vec<f64> = lengths.collect();
+    for (mut column, length) in j.column_iter_mut().zip(&lengths) {
+        column.unscale_mut(*length);
+    }
+    (j, lengths)
+}
+
 /// `J⁺` (n × m) through the SVD of `J` with columns scaled to length one, the rank, and which unknowns have no
 /// part in the null space.
 pub(super) fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool>) {
     let n = j.ncols();
-    let scale: Vec<f64> = j.column_iter().map(|c| if c.norm() > 0.0 { c.norm() } else { 1.0 }).collect();
-    let mut scaled = j.clone();
-    for (k, s) in scale.iter().enumerate() {
-        scaled.column_mut(k).unscale_mut(*s);
-    }
+    let (mut scaled, scale) = with_unit_columns(j.clone());
     let (m, _) = scaled.shape();
     if m < n {
         scaled = scaled.resize_vertically(n, 0.0);

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 
 use super::identifiers::choose_prior;
 use super::problem::{CalibrationProblem, Weights};
-use super::result::linearized;
+use super::result::{linearized, with_unit_columns};
 use super::{Identification, Identifier, IdentifyError, Task};
 use crate::solve::{
     IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
@@ -225,13 +225,7 @@ fn distances(
     solution: &LeastSquaresSolution,
     weights: &[f64],
 ) -> Result<Vec<Distance>, IdentifyError> {
-    let mut weighted = solution.jacobian.clone();
-    for mut column in weighted.column_iter_mut() {
-        let norm = column.norm();
-        if norm > 0.0 {
-            column.unscale_mut(norm);
-        }
-    }
+    let (weighted, _) = with_unit_columns(solution.jacobian.clone());
     let q = weighted.qr().q();
     problem.weigh_samples(&vec![1.0; weights.len()]);
     let (residual, _) = linearized(problem, &solution.x)?;

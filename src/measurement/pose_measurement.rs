@@ -50,11 +50,6 @@ impl PoseMeasurement {
         Self { convention, readings: poses.iter().map(reading).collect() }
     }
 
-    /// The readings.
-    pub fn readings(&self) -> &[PoseReading] {
-        &self.readings
-    }
-
     fn rotation(&self, reading: &PoseReading) -> Option<Rotation3<f64>> {
         reading.measured[3..].iter().all(|m| *m).then(|| self.convention.rotation(&reading_angles(reading)))
     }

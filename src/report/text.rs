@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, Prospect};
-use crate::mechanism::{Mechanism, Survey, Workspace};
+use crate::mechanism::{Mechanism, Survey};
 use crate::pose::PoseConvention;
 use crate::units::{Dimension, fixed, show_angle, show_length, show_probability, three_digits};
 
@@ -188,8 +188,6 @@ pub struct Inspection<'a> {
     pub mechanism: &'a dyn Mechanism,
     /// How its poses are written.
     pub convention: &'a PoseConvention,
-    /// Its workspace.
-    pub workspace: Option<&'a Workspace>,
     /// Platform points by leg, platform frame, m.
     pub platform: Vec<(usize, Vector3<f64>)>,
     /// Base points by leg, base frame, m.

@@ -7,7 +7,7 @@ use argmin::solver::gaussnewton::GaussNewton as Builtin;
 use nalgebra::{DMatrix, DVector};
 
 use super::least_squares::{Convergence, IterationRecord, KeepsProgress, LeastSquaresSolution, Progress, SolveError};
-use super::linear::{LinearMethod, column_norms, solve_step};
+use super::linear::{LinearMethod, column_norms, relative_size, solve_step};
 use super::state::SolverState;
 use super::{LeastSquaresOptions, LeastSquaresProblem};
 
@@ -93,7 +93,7 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for GaussNewton {
             state.param = Some(x);
             return Ok((state.stop(TerminationReason::SolverExit("singular".into())), None));
         };
-        let size = scale.component_mul(&step.delta).norm() / scale.component_mul(&x).norm().max(f64::MIN_POSITIVE);
+        let size = relative_size(&scale, &step.delta, &x);
         x += &step.delta;
         if !self.evaluate(*problem, &x) {
             // A full step led out of the problem's domain. Where the run stood before is kept, as no result.

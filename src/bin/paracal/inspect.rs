@@ -60,7 +60,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let seen = text::Inspection {
         mechanism,
         convention: &machine.convention,
-        workspace: machine.workspace.as_ref(),
         platform: Body::Platform.points(mechanism, c),
         base: Body::Base.points(mechanism, c),
         lengths: lengths(mechanism),
