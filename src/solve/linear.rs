@@ -7,7 +7,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 pub enum LinearMethod {
     /// Householder QR of the stacked `[J; √λ D]`: the condition of `J` is not squared.
     Qr,
-    /// Cholesky of the normal equations with columns scaled to length one, three times as fast. It is used
+    /// Cholesky of the normal equations with columns scaled to length one, the faster way. It is used
     /// while the scaled pivots stay above 1e-9; below, and for the last step, QR takes over.
     #[default]
     NormalThenQr,
