@@ -6,13 +6,14 @@ use rand::rngs::ChaCha8Rng;
 
 use super::errors_of_model::{ErrorSummary, evaluate};
 use super::held_out::held_out;
-use super::prediction::{PredictedError, predicted_errors};
+use super::prediction::predicted_errors;
 use super::verdict::{Verdict, judge, with_warnings};
 use super::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 use super::{
     Convention, Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
     Registration, Task, Weights, frames_differ, plausibility, register,
 };
+use crate::observability::PredictedError;
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Body, Mechanism, Workspace};
 use crate::pose::PoseConvention;

@@ -2,7 +2,8 @@
 
 use super::problem::{CalibrationProblem, Weights};
 use super::weak_directions::DataSpectrum;
-use super::{DECIDED, Identification, IdentifyError, Prior, PriorPolicy, Robust, Task};
+use super::{Identification, IdentifyError, Prior, PriorPolicy, Robust, Task};
+use crate::observability::DECIDED;
 use crate::solve::{
     LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, LinearMethod, SolveError, least_squares,
 };

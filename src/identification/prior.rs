@@ -6,14 +6,11 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::IdentifyError;
 use crate::mechanism::{Body, Mechanism, rigid_directions};
 
-/// A direction of the parameters counts as decided by the data if they determine it to a tenth of the tolerance.
-pub const DECIDED: f64 = 10.0;
-
 /// Where prior knowledge comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PriorPolicy {
     /// No prior while every singular value of the whitened, tolerance-scaled Jacobian is at least
-    /// [`DECIDED`]; below that the tolerance is the prior.
+    /// [`DECIDED`](crate::observability::DECIDED); below that the tolerance is the prior.
     #[default]
     Auto,
     /// The tolerance is the prior.

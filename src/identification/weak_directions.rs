@@ -3,13 +3,14 @@
 //! The whitened Jacobian of the data, with each column multiplied by the tolerance of its parameter and the
 //! measurement's own parameters projected out, has one singular value for each direction of the parameters:
 //! the tolerance along it over the σ that the data alone give. Ten means that the data know the direction to a
-//! tenth of the tolerance ([`DECIDED`](super::DECIDED)); one that they know no more than the workshop.
+//! tenth of the tolerance ([`DECIDED`]); one that they know no more than the workshop.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::CalibrationProblem;
 use super::result::linearized;
-use super::{DECIDED, IdentifyError, Task, Weights};
+use super::{IdentifyError, Task, Weights};
+use crate::observability::DECIDED;
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
 
 /// Singular values and directions of the data alone.

@@ -1,6 +1,6 @@
 //! Kinematics of any mechanism from its closure equations.
 
-use nalgebra::{DMatrix, Matrix6, Vector6};
+use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
 
 use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
 use crate::conditions::Conditions;
@@ -132,6 +132,26 @@ pub fn forward_by_closure<M: Mechanism + ?Sized>(
             newton(problem, *seed, NewtonOptions::default())
         },
     )
+}
+
+/// Motion (6 × L) at a pose, per unit of each parameter: of the platform point `pivot` (platform frame, m), and the
+/// small rotation of the platform (rad).
+///
+/// # Errors
+/// [`KinematicsError`] if the pose has no joints or no motion block.
+pub fn motion_of_point(
+    mechanism: &dyn Mechanism,
+    pose: &Pose,
+    pivot: &Vector3<f64>,
+) -> Result<DMatrix<f64>, KinematicsError> {
+    let (c, at) = (mechanism.values(), Conditions::unknown());
+    let joints = mechanism.inverse(c, pose, &at)?;
+    let mut block = MotionBlock::sized_for(mechanism);
+    mechanism.motion_block(c, &joints, pose, &at, &mut block)?;
+    let mut seen = Matrix6::identity();
+    seen.fixed_view_mut::<3, 3>(0, 3).copy_from(&-(pose.rotation * pivot).cross_matrix());
+    let moved = seen * block.parameters;
+    Ok(DMatrix::from_iterator(6, moved.ncols(), moved.iter().copied()))
 }
 
 /// Motion block of any mechanism from its closure equations: `-J₁⁺ [J₂, Jⱼ]`.

@@ -36,7 +36,7 @@ use nalgebra::{DMatrix, DVector, Matrix6xX};
 
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 pub use error::{GeometryError, KinematicsError};
-pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure};
+pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure, motion_of_point};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};

@@ -3,9 +3,11 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, PredictedError};
+use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::observability::PredictedError;
 use crate::pose::Pose;
-use crate::report::text::Inspection;
+use crate::report::text::{Inspection, Selection};
+use crate::selection::Report;
 
 /// A number, or `null` if it is not finite.
 fn real(value: f64) -> Value {
@@ -112,11 +114,13 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
         })
     });
     let outlook = i.prospect.as_ref().map(|p| {
+        let covariance = &p.forecast.covariance;
+        let sigma: Vec<f64> = p.scale.iter().enumerate().map(|(k, s)| s * covariance[(k, k)].sqrt()).collect();
         json!({
-            "poses": p.poses.len(), "prior": p.prior, "sigma": p.sigma, "predicted": p.predicted.as_ref().map(predicted),
+            "poses": p.poses.len(), "prior": p.forecast.prior, "sigma": sigma,
+            "predicted": predicted(&p.forecast.error), "efficiency": p.efficiency,
         })
     });
-    let weak = i.prospect.as_ref().map_or(&[][..], |p| &p.weak);
     json!({
         "name": i.mechanism.name(),
         "parameters": i.mechanism.parameters().len(),
@@ -129,7 +133,36 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
         "condition": real(i.home_condition),
         "workspace": survey,
         "prospect": outlook,
-        "weak_directions": weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
+        "weak_directions": i.weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
         "warnings": i.warnings,
+    })
+}
+
+/// The object of `select`; `poses` are the coordinates of the chosen poses, m and rad.
+pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
+    let r = s.report;
+    let row = |r: &Report| {
+        json!({
+            "n": r.poses.len(), "value": real(r.value), "bound": r.bound.map(real), "efficiency": r.efficiency.map(real),
+            "predicted": r.forecast.as_ref().map(|f| predicted(&f.error)),
+        })
+    };
+    json!({
+        "index": r.index,
+        "scaling": s.scaling.name(),
+        "value": real(r.value),
+        "bound": r.bound.map(real),
+        "efficiency": r.efficiency.map(real),
+        "selector": s.selector,
+        "iterations": r.iterations,
+        "trace": r.trace.iter().map(|v| real(*v)).collect::<Vec<_>>(),
+        "poses": poses,
+        "given": s.given,
+        "candidates": r.candidates,
+        "invisible_directions": r.invisible,
+        "predicted": r.forecast.as_ref().map(|f| predicted(&f.error)),
+        "prior": r.forecast.as_ref().map(|f| f.prior),
+        "table": s.table.iter().map(row).collect::<Vec<_>>(),
+        "seconds": seconds,
     })
 }

@@ -54,6 +54,12 @@ impl Ui {
         bar
     }
 
+    /// A bar with the remaining time on standard error for work in steps; invisible where nobody looks.
+    pub(crate) fn steps(&self, message: &str) -> Steps {
+        let bar = self.progress(message.to_owned());
+        Steps { bar }
+    }
+
     /// Reads a mechanism file and prints its warnings.
     pub(crate) fn machine(&self, path: &Path) -> Result<Machine> {
         let machine = Machine::read(path)?;
@@ -66,6 +72,37 @@ impl Ui {
         let measurement = read_measurement(path, machine)?;
         measurement.warnings.iter().for_each(|w| self.warn(w));
         Ok(measurement)
+    }
+}
+
+/// Progress of work in steps.
+pub(crate) struct Steps {
+    bar: ProgressBar,
+}
+
+impl Steps {
+    /// What is being done now.
+    pub(crate) fn say(&self, message: &str) {
+        self.bar.set_message(message.to_owned());
+        self.bar.set_length(0);
+        self.bar.set_position(0);
+        self.bar.reset_eta();
+    }
+
+    /// How many steps of how many are done.
+    pub(crate) fn set(&self, done: usize, total: usize) {
+        let bar = &self.bar;
+        if bar.length() != Some(total as u64) {
+            let style = ProgressStyle::with_template("{spinner} {msg} [{bar:30}] {pos}/{len} ({elapsed}, {eta} left)");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_length(total as u64);
+        }
+        bar.set_position(done as u64 + 1);
+    }
+
+    /// Clears the line.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 }
 

@@ -6,10 +6,11 @@ use std::process::ExitCode;
 use anyhow::Result;
 use paracal::conditions::Conditions;
 use paracal::files::Machine;
-use paracal::identification::{Prospect, prospect};
+use paracal::identification::{DataSpectrum, WeakDirection, weak_directions};
 use paracal::measurement::Noise;
 use paracal::mechanism::{Body, Mechanism, ParameterRole, ParameterSpec, Survey, characteristic_length, condition};
 use paracal::report::{json, text};
+use paracal::selection::{Prospect, prospect};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -67,6 +68,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         radius: characteristic_length(mechanism),
         home_condition: condition(mechanism, c, &joints, &mechanism.home(), &at),
         survey,
+        weak: outlook.as_ref().map(|p| weak(mechanism, p)).unwrap_or_default(),
         prospect: outlook,
         warnings,
     };
@@ -93,4 +95,15 @@ fn look_ahead(
             None
         }
     }
+}
+
+/// Directions that the poses of a prospect would not decide, in words.
+fn weak(mechanism: &dyn Mechanism, prospect: &Prospect) -> Vec<WeakDirection> {
+    let spectrum = DataSpectrum {
+        values: prospect.forecast.spectrum.values.clone(),
+        directions: prospect.forecast.spectrum.directions.clone(),
+        scale: prospect.scale.clone(),
+        scaled_by_tolerance: mechanism.parameters().iter().all(|s| s.tolerance.is_some()),
+    };
+    weak_directions(mechanism, &spectrum)
 }

@@ -5,6 +5,7 @@ mod common;
 mod compensate;
 mod evaluate;
 mod inspect;
+mod select;
 mod simulate;
 
 use std::process::ExitCode;
@@ -38,6 +39,8 @@ struct Cli {
 enum Command {
     /// Geometry, home, strokes, conditioning, and what 20 good poses could tell.
     Inspect(inspect::Args),
+    /// Which poses to measure, and how good the choice is.
+    Select(select::Args),
     /// What a tracker would measure of a mechanism with errors.
     Simulate(simulate::Args),
     /// Parameters from measured data, and how far to trust them.
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
     }
     let done = match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
+        Command::Select(args) => select::run(args, &ui),
         Command::Simulate(args) => simulate::run(args, &ui),
         Command::Calibrate(args) => calibrate::run(args, &ui),
         Command::Evaluate(args) => evaluate::run(args, &ui),

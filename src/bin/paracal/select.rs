@@ -1,0 +1,279 @@
+//! `paracal select`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, anyhow, bail};
+use clap::ValueEnum;
+use paracal::files::{ListedPose, Machine, Outputs, read_poses};
+use paracal::observability::{INDICES, ObservabilityIndex, Scaling, index};
+use paracal::pose::Pose;
+use paracal::report::{json, text};
+use paracal::selection::{
+    Aim, Campaign, Candidates, Exchange, Forecaster, MOST_POSES, Plan, PoseSelector, Report, Requirement, SELECTORS,
+    SelectionError, Sources, TabuDetmax, how_many, select_among, selector, smallest_number,
+};
+use paracal::units::{Dimension, parse_quantity};
+
+use crate::common::{JointsAndPose, Ui, joints_and_poses};
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ScalingChoice {
+    /// Rows over the noise, columns times the tolerance.
+    Whitened,
+    /// Millimetres and radians.
+    Paper,
+}
+
+/// Arguments of `select`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal select mechanisms/table5.toml -n 20 -o poses.csv")]
+pub(crate) struct Args {
+    /// Mechanism file with a [workspace].
+    mechanism: PathBuf,
+    /// List of poses to write, with the joints to command.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Number of poses in all, given ones included.
+    #[arg(short, value_name = "N", conflicts_with = "require")]
+    n: Option<usize>,
+    /// What is optimised: o1 to o5, or the predicted error of the calibrated pose.
+    #[arg(long, default_value = "o1", value_parser = clap::builder::PossibleValuesParser::new(INDICES))]
+    index: String,
+    /// How poses are chosen.
+    #[arg(long, default_value = "exchange", value_parser = clap::builder::PossibleValuesParser::new(SELECTORS))]
+    selector: String,
+    /// Number of random poses to choose from, or a list of poses.
+    #[arg(long, value_name = "N|FILE", default_value = "2000")]
+    candidates: String,
+    /// Leave out the corners and the grid of the workspace (exchange).
+    #[arg(long)]
+    no_corners: bool,
+    /// Do not move poses off the candidates (exchange).
+    #[arg(long)]
+    no_polish: bool,
+    /// Units of the index; whitened where noise and tolerance are stated, else paper.
+    #[arg(long, value_enum)]
+    scaling: Option<ScalingChoice>,
+    /// Poses that are measured anyway; they are kept and count.
+    #[arg(long, value_name = "FILE")]
+    given: Option<PathBuf>,
+    /// Poses at which errors of the calibrated model matter; the whole workspace if absent.
+    #[arg(long, value_name = "FILE")]
+    targets: Option<PathBuf>,
+    /// Also show 7 to 60 poses, to see where measuring more stops paying.
+    #[arg(long)]
+    table: bool,
+    /// Choose the smallest number of poses whose calibration is predicted to be this accurate (RMS).
+    #[arg(long, value_name = "LENGTH,ANGLE")]
+    require: Option<String>,
+    /// Length of the tabu list (tabu-detmax).
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    tabu: usize,
+    /// Iterations (tabu-detmax).
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    iterations: usize,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+const POSES: usize = 20;
+/// Numbers of poses that a table shows.
+const TABLE: std::ops::RangeInclusive<usize> = 7..=60;
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let listed = args.candidates.parse::<usize>().is_err().then(|| PathBuf::from(&args.candidates));
+    let inputs = [Some(&args.mechanism), listed.as_ref(), args.given.as_ref(), args.targets.as_ref()];
+    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
+    outputs.check(&args.output)?;
+    let requirement = args.require.as_deref().map(requirement).transpose()?;
+    if args.n == Some(0) {
+        bail!("-n 0: select at least one pose");
+    }
+    let machine = ui.machine(&args.mechanism)?;
+    let mechanism = machine.mechanism.as_ref();
+    let file = || args.mechanism.display().to_string();
+    let workspace = machine
+        .workspace
+        .with_context(|| format!("{}: state [workspace]: poses are chosen from it", file()))?;
+    let poses = |path: &Option<PathBuf>| -> Result<Vec<Pose>> {
+        let Some(path) = path else { return Ok(Vec::new()) };
+        Ok(read_poses(path, &machine)?.into_iter().map(|l: ListedPose| l.pose).collect())
+    };
+    let (given, targets) = (poses(&args.given)?, poses(&args.targets)?);
+    let chosen = chosen_selector(args);
+    let random = match &listed {
+        Some(_) => 0,
+        None => args.candidates.parse::<usize>().context("--candidates")?,
+    };
+    let corners = chosen.wants_corners() && !args.no_corners && listed.is_none();
+    if random == 0 && listed.is_none() && !corners {
+        bail!("--candidates 0: without corners there is nothing to choose from");
+    }
+    let sources = Sources { random, corners_and_grid: corners, listed: poses(&listed)?, seed: args.seed };
+
+    let noise = machine.noise.as_ref();
+    let whitened = Campaign::new(mechanism, &workspace, noise, Scaling::Whitened);
+    let (scaling, why_not) = match (args.scaling, &whitened) {
+        (Some(ScalingChoice::Paper), _) => (Scaling::Paper, None),
+        (Some(ScalingChoice::Whitened), _) | (None, Ok(_)) => (Scaling::Whitened, None),
+        (None, Err(cause)) => (Scaling::Paper, Some(cause.clone())),
+    };
+    if args.index == "pose-error" && scaling == Scaling::Paper {
+        bail!(
+            "{}: --index pose-error is stated in units of the noise; it needs --scaling whitened with [noise] and [tolerance]",
+            file()
+        );
+    }
+    let about = |cause: SelectionError| match cause {
+        SelectionError::Given { .. } => anyhow!("{}: {cause}", args.given.clone().unwrap_or_default().display()),
+        SelectionError::NoTarget(_) if args.targets.is_some() => {
+            anyhow!("{}: {cause}", args.targets.clone().unwrap_or_default().display())
+        }
+        _ => anyhow!("{}: {cause}", file()),
+    };
+    if let Some(cause) = why_not {
+        ui.warn(&format!("{}; the index is taken in mm and rad (--scaling paper)", short(&cause)));
+    }
+    let forecaster =
+        whitened.clone().ok().map(|campaign| Forecaster::new(campaign, &targets)).transpose().map_err(about)?;
+    let campaign = match scaling {
+        Scaling::Whitened => whitened.map_err(about)?,
+        Scaling::Paper => Campaign::new(mechanism, &workspace, noise, scaling).map_err(about)?,
+    };
+    if forecaster.is_none() && (requirement.is_some() || !targets.is_empty()) {
+        bail!("{}: the error of the calibrated pose is predicted from [noise] and [tolerance]; state both", file());
+    }
+
+    let start = std::time::Instant::now();
+    let bar = ui.steps("collecting candidates");
+    let candidates = Candidates::collect(&campaign, &sources).map_err(about)?;
+    if listed.is_none() && candidates.tried > 2 * candidates.len() {
+        ui.warn(&format!("only {} of {} poses tried can be measured", candidates.len(), candidates.tried));
+    }
+    let named = index(&args.index);
+    let aim = named.as_deref().map_or(Aim::PoseError, |i: &dyn ObservabilityIndex| Aim::Index(i));
+    let watch = |step: paracal::selection::Step| bar.set(step.done, step.total);
+    let plan = Plan {
+        campaign: &campaign,
+        forecaster: forecaster.as_ref(),
+        aim,
+        given: &given,
+        seed: args.seed,
+        watch: &watch,
+    };
+    let quick = quicker(args);
+    let n = match (&requirement, args.n) {
+        (Some(wanted), _) => {
+            bar.say("looking for the number of poses");
+            smallest_number(&plan, quick.as_ref(), &candidates, wanted).map_err(about)?
+        }
+        (None, n) => n.unwrap_or(POSES.max(given.len() + 1)),
+    };
+    bar.say(&format!("choosing {n} poses from {}", candidates.len()));
+    let report = select_among(&plan, chosen.as_ref(), &candidates, n, true).map_err(about)?;
+    let table = if args.table {
+        bar.say("comparing numbers of poses");
+        how_many(&plan, quick.as_ref(), &candidates, TABLE, true).map_err(about)?
+    } else {
+        Vec::new()
+    };
+    bar.finish();
+    let seconds = start.elapsed().as_secs_f64();
+    if n > MOST_POSES {
+        ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying"));
+    }
+    if report.invisible > 0 {
+        ui.warn(&format!(
+            "no candidate sees {} of the {} parameter directions; the index is taken over the others",
+            report.invisible,
+            mechanism.parameters().len()
+        ));
+    }
+    let rows = commands(&machine, &report, given.len())?;
+    let comment = format!(
+        "{} poses for {}: {} = {:e} ({} scaling), {}, seed {}",
+        report.poses.len(),
+        mechanism.name(),
+        report.index,
+        report.value,
+        scaling.name(),
+        chosen.name(),
+        args.seed
+    );
+    outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
+    outputs.write()?;
+    let shown = text::Selection {
+        title: mechanism.name(),
+        report: &report,
+        scaling,
+        selector: chosen.name(),
+        given: given.len(),
+        table: &table,
+        requirement: requirement.as_ref(),
+        file: &args.output.display().to_string(),
+    };
+    let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();
+    ui.result(&text::selection(&shown), &json::selection(&shown, &coordinates, seconds));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The first half of a refusal: what is missing.
+fn short(cause: &SelectionError) -> String {
+    match cause {
+        SelectionError::NoNoise => "[noise] is not stated".into(),
+        SelectionError::NoTolerance { .. } => "[tolerance] is not stated".into(),
+        other => other.to_string(),
+    }
+}
+
+fn chosen_selector(args: &Args) -> Box<dyn PoseSelector> {
+    match args.selector.as_str() {
+        "tabu-detmax" => Box::new(TabuDetmax { length: args.tabu, iterations: args.iterations }),
+        "exchange" => Box::new(Exchange { polish: !args.no_polish, ..Exchange::default() }),
+        // The names were checked when the arguments were read.
+        name => selector(name).unwrap_or_else(|| Box::new(Exchange::default())),
+    }
+}
+
+/// For many numbers of poses: an exchange with fewer starts, any other selector as it is.
+fn quicker(args: &Args) -> Box<dyn PoseSelector> {
+    match args.selector.as_str() {
+        "exchange" => Box::new(Exchange { starts: 3, rounds: 0, polish: !args.no_polish }),
+        _ => chosen_selector(args),
+    }
+}
+
+/// `2um,0.5arcsec`, in any order, one of them or both.
+fn requirement(text: &str) -> Result<Requirement> {
+    let mut wanted = Requirement::default();
+    for part in text.split(',').map(str::trim) {
+        let (place, value) = match parse_quantity(part, Dimension::Length) {
+            Ok(value) => (&mut wanted.position, value),
+            Err(_) => match parse_quantity(part, Dimension::Angle) {
+                Ok(value) => (&mut wanted.rotation, value),
+                Err(_) => bail!("--require {text}: '{part}' is neither a length such as 2um nor an angle such as 0.5arcsec"),
+            },
+        };
+        if !(value > 0.0) {
+            bail!("--require {text}: '{part}' must be positive");
+        }
+        if place.replace(value).is_some() {
+            bail!("--require {text}: state one length and one angle");
+        }
+    }
+    Ok(wanted)
+}
+
+/// The joints to command for each pose.
+fn commands(machine: &Machine, report: &Report, given: usize) -> Result<Vec<JointsAndPose>> {
+    let commander = machine.commander();
+    let row = |(k, pose): (usize, &Pose)| {
+        let joints = commander.inverse(commander.values(), pose, &paracal::conditions::Conditions::unknown())?;
+        let label = if k < given { format!("given{}", k + 1) } else { format!("new{}", k + 1 - given) };
+        let id = (given > 0).then_some(label);
+        Ok(JointsAndPose { id, joints, pose: machine.convention.coordinates(pose) })
+    };
+    report.poses.iter().enumerate().map(row).collect()
+}

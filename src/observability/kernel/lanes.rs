@@ -1,0 +1,112 @@
+//! Numbers side by side, and symmetric 6 × 6 matrices of them.
+
+use pulp::Simd;
+
+/// Candidates in a batch.
+pub(in super::super) const LANES: usize = 16;
+
+/// One number of each candidate of a batch.
+pub(in super::super) type Lanes = [f64; LANES];
+
+/// Lower triangle of a symmetric 6 × 6 matrix: entry (i, j), `j ≤ i`, at [`at`]`(i, j)`.
+pub(super) type Sym<V> = [V; 21];
+
+/// Two vectors of lanes: each number that both are multiplied by is loaded once.
+pub(super) type Two<S> = [<S as Simd>::f64s; 2];
+
+/// Place of entry (i, j), `j ≤ i`, in a [`Sym`].
+pub(super) const fn at(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+/// Vectors of lanes in a row.
+#[inline(always)]
+pub(super) fn vectors<S: Simd>() -> usize {
+    LANES / (size_of::<S::f64s>() / size_of::<f64>())
+}
+
+#[inline(always)]
+pub(super) fn load<S: Simd>(row: &Lanes, vector: usize) -> S::f64s {
+    S::as_simd_f64s(row).0[vector]
+}
+
+#[inline(always)]
+pub(super) fn load_two<S: Simd>(row: &Lanes, vector: usize) -> Two<S> {
+    let all = S::as_simd_f64s(row).0;
+    [all[vector], all[vector + 1]]
+}
+
+#[inline(always)]
+pub(super) fn store<S: Simd>(row: &mut Lanes, vector: usize, value: S::f64s) {
+    S::as_mut_simd_f64s(row).0[vector] = value;
+}
+
+/// Replaces a matrix by its factors `L D Lᵀ` (unit lower triangle and pivots in one place). Without pivoting, so
+/// that lanes stay together; the signs of the pivots are the inertia.
+#[inline(always)]
+pub(super) fn factor<S: Simd>(simd: S, m: &mut Sym<S::f64s>) {
+    let one = simd.splat_f64s(1.0);
+    for k in 0..6 {
+        let inverse = simd.div_f64s(one, m[at(k, k)]);
+        for i in k + 1..6 {
+            let f = simd.mul_f64s(m[at(i, k)], inverse);
+            for j in k + 1..=i {
+                m[at(i, j)] = simd.negate_mul_add_e_f64s(f, m[at(j, k)], m[at(i, j)]);
+            }
+        }
+        for i in k + 1..6 {
+            m[at(i, k)] = simd.mul_f64s(m[at(i, k)], inverse);
+        }
+    }
+}
+
+/// Determinant of a matrix; the matrix is used up.
+#[inline(always)]
+pub(super) fn determinant_of<S: Simd>(simd: S, mut m: Sym<S::f64s>) -> S::f64s {
+    let one = simd.splat_f64s(1.0);
+    let mut product = m[0];
+    for k in 0..5 {
+        let inverse = simd.div_f64s(one, m[at(k, k)]);
+        for i in k + 1..6 {
+            let f = simd.mul_f64s(m[at(i, k)], inverse);
+            for j in k + 1..=i {
+                m[at(i, j)] = simd.negate_mul_add_e_f64s(f, m[at(j, k)], m[at(i, j)]);
+            }
+        }
+        product = simd.mul_f64s(product, m[at(k + 1, k + 1)]);
+    }
+    product
+}
+
+/// `tr(C⁻¹ T)` for a factored `C`.
+#[inline(always)]
+pub(super) fn trace_of_quotient<S: Simd>(simd: S, c: &Sym<S::f64s>, t: &Sym<S::f64s>) -> S::f64s {
+    // With the columns of L⁻¹ as wₖ it is Σ wₖ' T wₖ / dₖ, and row k of L⁻¹ ends at its diagonal.
+    let zero = simd.splat_f64s(0.0);
+    let one = simd.splat_f64s(1.0);
+    let mut inverse = [zero; 21];
+    for i in 0..6 {
+        inverse[at(i, i)] = one;
+        for j in (0..i).rev() {
+            let mut sum = c[at(i, j)];
+            for k in j + 1..i {
+                sum = simd.mul_add_e_f64s(c[at(i, k)], inverse[at(k, j)], sum);
+            }
+            inverse[at(i, j)] = simd.neg_f64s(sum);
+        }
+    }
+    let mut trace = zero;
+    for k in 0..6 {
+        let mut sum = zero;
+        for i in 0..=k {
+            let mut row = simd.mul_f64s(t[at(i, i)], inverse[at(k, i)]);
+            for j in 0..i {
+                let twice = simd.add_f64s(inverse[at(k, j)], inverse[at(k, j)]);
+                row = simd.mul_add_e_f64s(t[at(i, j)], twice, row);
+            }
+            sum = simd.mul_add_e_f64s(row, inverse[at(k, i)], sum);
+        }
+        trace = simd.add_f64s(trace, simd.div_f64s(sum, c[at(k, k)]));
+    }
+    trace
+}

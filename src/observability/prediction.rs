@@ -1,0 +1,42 @@
+//! How well a calibrated model predicts poses.
+
+use nalgebra::DMatrix;
+
+/// A direction of the parameters counts as decided by the data if they determine it to a tenth of the tolerance.
+pub const DECIDED: f64 = 10.0;
+
+/// Predicted 1σ error of the calibrated pose over a set of poses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedError {
+    /// Number of poses.
+    pub poses: usize,
+    /// RMS over the poses of the length of the position error, m.
+    pub position_rms: f64,
+    /// Largest of them, m.
+    pub position_max: f64,
+    /// RMS over the poses of the length of the rotation error, rad.
+    pub rotation_rms: f64,
+    /// Largest of them, rad.
+    pub rotation_max: f64,
+}
+
+impl PredictedError {
+    /// For blocks (6 × L: motion of a point, small rotation, per parameter) at the poses, and the covariance (L × L) of
+    /// the parameters: `J_b Cov J_bᵀ` at each.
+    pub fn over(blocks: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> Self {
+        let variances = blocks.iter().map(|b| {
+            let spread = (b * covariance).component_mul(b).column_sum();
+            (spread.rows(0, 3).sum(), spread.rows(3, 3).sum())
+        });
+        let (position, rotation): (Vec<f64>, Vec<f64>) = variances.unzip();
+        let rms = |v: &[f64]| (v.iter().sum::<f64>() / v.len() as f64).sqrt();
+        let max = |v: &[f64]| v.iter().copied().fold(0.0, f64::max).sqrt();
+        Self {
+            poses: blocks.len(),
+            position_rms: rms(&position),
+            position_max: max(&position),
+            rotation_rms: rms(&rotation),
+            rotation_max: max(&rotation),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The two algorithms of the paper's section 3.2.
+
+use std::collections::VecDeque;
+
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::index::sample;
+
+use super::{Choice, PoseSelector, Problem, SelectionError, Step};
+
+/// Adds the candidate that makes the index best, then removes the member that leaves it best; ends when both are the
+/// same.
+#[derive(Clone, Copy, Debug)]
+pub struct Detmax {
+    /// Largest number of iterations.
+    pub iterations: usize,
+}
+
+impl Default for Detmax {
+    fn default() -> Self {
+        Self { iterations: 500 }
+    }
+}
+
+impl PoseSelector for Detmax {
+    fn name(&self) -> &str {
+        "detmax"
+    }
+
+    fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(problem.seed);
+        let mut set = problem.set(&problem.start(&mut rng)?);
+        let mut trace = Vec::new();
+        for done in 0..self.iterations {
+            (problem.watch)(Step { done, total: self.iterations });
+            let Some(added) = set.best_addition() else { break };
+            set.add(added.which);
+            let Some(removed) = set.best_removal() else { break };
+            let removed = set.remove(removed.which);
+            trace.push(set.quick_value());
+            if removed == added.which {
+                break;
+            }
+        }
+        Ok(Choice { poses: problem.poses(set.members()), iterations: trace.len(), trace })
+    }
+}
+
+/// The same with a tabu list: a removed pose may not come back before as many others were removed as the list is long.
+/// The list starts with poses drawn at random; the best set seen is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct TabuDetmax {
+    /// Length of the tabu list; at most a quarter of the candidates are kept out.
+    pub length: usize,
+    /// Number of iterations.
+    pub iterations: usize,
+}
+
+impl Default for TabuDetmax {
+    fn default() -> Self {
+        Self { length: 100, iterations: 400 }
+    }
+}
+
+impl PoseSelector for TabuDetmax {
+    fn name(&self) -> &str {
+        "tabu-detmax"
+    }
+
+    fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(problem.seed);
+        let start = problem.start(&mut rng)?;
+        let mut set = problem.set(&start);
+        let others: Vec<usize> = (0..problem.candidates.len()).filter(|k| !start.contains(k)).collect();
+        let length = self.length.min(others.len() / 4);
+        let mut tabu: VecDeque<usize> = sample(&mut rng, others.len(), length).iter().map(|k| others[k]).collect();
+        tabu.iter().for_each(|k| set.close(*k));
+        let mut best = (set.quick_value(), start);
+        let mut trace = Vec::with_capacity(self.iterations);
+        for done in 0..self.iterations {
+            (problem.watch)(Step { done, total: self.iterations });
+            let Some(added) = set.best_addition() else { break };
+            set.add(added.which);
+            let Some(removed) = set.best_removal() else { break };
+            let removed = set.remove(removed.which);
+            set.close(removed);
+            tabu.push_back(removed);
+            if tabu.len() > length
+                && let Some(free) = tabu.pop_front()
+            {
+                set.reopen(free);
+            }
+            let value = set.quick_value();
+            trace.push(value);
+            if set.better(value, best.0) {
+                best = (value, set.members().to_vec());
+            }
+        }
+        Ok(Choice { poses: problem.poses(&best.1), iterations: trace.len(), trace })
+    }
+}

@@ -1,0 +1,176 @@
+//! Multi-start exchange, the default.
+
+use nalgebra::DMatrix;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::index::sample;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::polish::polish;
+use super::relaxation::relax;
+use super::{Choice, PoseSelector, Problem, SelectionError, Step};
+use crate::observability::{FastForm, O1, O5, ObservabilityIndex, better};
+
+/// Exchange of each member for the best candidate until none improves (Cook and Nachtsheim 1980), from the rounded
+/// relaxation, from sets that are best for smoother indices, and from random sets; then repeated with some members
+/// of the best set replaced at random; then every pose is moved freely inside the workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct Exchange {
+    /// Random sets to start from.
+    pub starts: usize,
+    /// Rounds of replacing members of the best set at random.
+    pub rounds: usize,
+    /// Whether poses are moved off the candidates at the end.
+    pub polish: bool,
+}
+
+impl Default for Exchange {
+    fn default() -> Self {
+        Self { starts: 20, rounds: 40, polish: true }
+    }
+}
+
+/// Members that a round replaces.
+const REPLACED: usize = 4;
+/// Passes over all members; exchanges end by themselves long before.
+const PASSES: usize = 200;
+
+impl PoseSelector for Exchange {
+    fn name(&self) -> &str {
+        "exchange"
+    }
+
+    fn wants_corners(&self) -> bool {
+        true
+    }
+
+    fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        problem.check()?;
+        // Indices whose scans need a decomposition get fewer of them.
+        let costly = matches!(problem.index.fast(), FastForm::Extremes(_) | FastForm::HarmonicSum | FastForm::None);
+        let (starts, rounds) = if costly { (self.starts.div_ceil(3), self.rounds / 4) } else { (self.starts, self.rounds) };
+        let mut sets = self.informed_starts(problem);
+        sets.extend(
+            (0..starts as u64)
+                .map(|stream| problem.start(&mut random(problem.seed, stream)))
+                .collect::<Result<Vec<_>, _>>()?,
+        );
+        sets.sort_unstable();
+        sets.dedup();
+        let done = AtomicUsize::new(0);
+        let total = sets.len() + rounds;
+        let improved = |members: Vec<usize>| {
+            let found = improve(problem, &members);
+            (problem.watch)(Step { done: done.fetch_add(1, Ordering::Relaxed), total });
+            found
+        };
+        let found: Vec<(f64, Vec<usize>)> = sets.into_par_iter().map(improved).collect();
+        let goal = problem.index.goal();
+        let mut trace = Vec::new();
+        let mut best: Option<(f64, Vec<usize>)> = None;
+        for (value, members) in found {
+            if best.as_ref().is_none_or(|b| better(goal, value, b.0)) {
+                best = Some((value, members));
+            }
+            trace.extend(best.as_ref().map(|b| b.0));
+        }
+        let Some(mut best) = best else {
+            return Err(SelectionError::TooFewCandidates { wanted: problem.count, found: 0 });
+        };
+        for round in 0..rounds as u64 {
+            let mut rng = random(problem.seed, 1 << 32 | round);
+            let (value, members) = improved(shaken(problem, &best.1, &mut rng));
+            if better(goal, value, best.0) {
+                best = (value, members);
+            }
+            trace.push(best.0);
+        }
+        let mut poses = problem.poses(&best.1);
+        if self.polish {
+            let value = polish(problem, &mut poses);
+            trace.push(value);
+        }
+        Ok(Choice { poses, iterations: trace.len(), trace })
+    }
+}
+
+impl Exchange {
+    /// Starts that know something: the heaviest candidates of the relaxation, a greedy set, and for indices on which
+    /// exchanges get stuck the best sets for O1 and O5.
+    fn informed_starts(&self, problem: &Problem<'_>) -> Vec<Vec<usize>> {
+        let mut sets = vec![problem.greedy()];
+        let fixed = fixed_rows(problem);
+        if let Some(found) = relax(&problem.candidates.pool, problem.index, &fixed, problem.given.len(), problem.count) {
+            sets.extend(rounded(problem, found.weights));
+        }
+        if matches!(problem.index.fast(), FastForm::Extremes(_)) {
+            let smoother: [&dyn ObservabilityIndex; 2] = [&O1, &O5];
+            for index in smoother {
+                let other = Problem { index, ..*problem };
+                sets.push(improve(&other, &problem.greedy()).1);
+            }
+        }
+        sets
+    }
+}
+
+/// Rows of the given poses and of the prior.
+pub(super) fn fixed_rows(problem: &Problem<'_>) -> DMatrix<f64> {
+    let directions = problem.candidates.pool.directions();
+    let prior = if problem.index.prior() { directions } else { 0 };
+    let mut fixed = DMatrix::zeros(6 * problem.given.len() + prior, directions);
+    for (k, rows) in problem.given.iter().enumerate() {
+        fixed.view_mut((6 * k, 0), (6, directions)).copy_from(rows);
+    }
+    fixed.view_mut((6 * problem.given.len(), 0), (prior, directions)).fill_with_identity();
+    fixed
+}
+
+fn random(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
+}
+
+/// The heaviest candidates; a greedy choice fills up what is missing.
+fn rounded(problem: &Problem<'_>, mut weights: Vec<(usize, f64)>) -> Option<Vec<usize>> {
+    weights.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let members: Vec<usize> = weights.iter().take(problem.count).map(|(k, _)| *k).collect();
+    let mut set = problem.set(&members);
+    while set.members().len() < problem.count {
+        let best = set.best_addition()?;
+        set.add(best.which);
+    }
+    Some(set.members().to_vec())
+}
+
+/// The best set with some members replaced at random.
+fn shaken(problem: &Problem<'_>, members: &[usize], rng: &mut ChaCha8Rng) -> Vec<usize> {
+    let mut members = members.to_vec();
+    let replaced = REPLACED.min(members.len());
+    for position in sample(rng, members.len(), replaced) {
+        let new = rng.random_range(0..problem.candidates.len());
+        if !members.contains(&new) {
+            members[position] = new;
+        }
+    }
+    members
+}
+
+/// Exchanges members for better candidates until none is left.
+fn improve(problem: &Problem<'_>, members: &[usize]) -> (f64, Vec<usize>) {
+    let mut set = problem.set(members);
+    for _ in 0..PASSES {
+        let mut changed = false;
+        for position in 0..members.len() {
+            changed |= set.exchange(position);
+        }
+        if !changed {
+            break;
+        }
+    }
+    let mut members = set.members().to_vec();
+    members.sort_unstable();
+    (set.value(), members)
+}

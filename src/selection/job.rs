@@ -1,0 +1,187 @@
+//! The whole job: candidates, choice, bound, forecast.
+
+use nalgebra::DMatrix;
+
+use super::exchange::fixed_rows;
+use super::forecast::{Forecast, Forecaster};
+use super::relaxation::relax;
+use super::{Campaign, Candidates, PoseSelector, Problem, SelectionError, Sources, Step};
+use crate::observability::{DECIDED, Goal, ObservabilityIndex, Spectrum};
+use crate::pose::Pose;
+
+/// The index to optimise.
+#[derive(Clone, Copy, Debug)]
+pub enum Aim<'a> {
+    /// This one.
+    Index(&'a dyn ObservabilityIndex),
+    /// The predicted error at the targets of the forecaster, which must be there.
+    PoseError,
+}
+
+/// A campaign to plan.
+#[derive(Clone, Copy)]
+pub struct Plan<'a> {
+    /// Mechanism, workspace and scaling.
+    pub campaign: &'a Campaign<'a>,
+    /// Predicts what the choice will be worth; `None` if noise or tolerances are not known.
+    pub forecaster: Option<&'a Forecaster<'a>>,
+    /// What is optimised.
+    pub aim: Aim<'a>,
+    /// Poses that are measured anyway.
+    pub given: &'a [Pose],
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Told of progress.
+    pub watch: &'a (dyn Fn(Step) + Sync),
+}
+
+/// What was chosen, and how good it is.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// All poses: the given ones, then the chosen ones.
+    pub poses: Vec<Pose>,
+    /// Name of the index.
+    pub index: String,
+    /// Its value, through the singular values of the stacked rows.
+    pub value: f64,
+    /// No set of candidates, polished poses among them, is better; `None` where no bound is known.
+    pub bound: Option<f64>,
+    /// Value over bound, or bound over value where small is good; at most one.
+    pub efficiency: Option<f64>,
+    /// Iterations of the selector.
+    pub iterations: usize,
+    /// Value after each.
+    pub trace: Vec<f64>,
+    /// Number of candidates.
+    pub candidates: usize,
+    /// Directions of the parameters that no candidate sees; the index is taken over the others.
+    pub invisible: usize,
+    /// What a calibration with these poses will be worth.
+    pub forecast: Option<Forecast>,
+}
+
+/// Collects candidates and chooses `n` poses in all, given ones included.
+///
+/// # Errors
+/// [`SelectionError`].
+pub fn select(plan: &Plan<'_>, selector: &dyn PoseSelector, sources: &Sources, n: usize) -> Result<Report, SelectionError> {
+    let candidates = Candidates::collect(plan.campaign, sources)?;
+    select_among(plan, selector, &candidates, n, true)
+}
+
+/// The same among candidates that were collected before; the bound costs a tenth of a second and more.
+///
+/// # Errors
+/// [`SelectionError`].
+pub fn select_among(
+    plan: &Plan<'_>,
+    selector: &dyn PoseSelector,
+    candidates: &Candidates,
+    n: usize,
+    with_bound: bool,
+) -> Result<Report, SelectionError> {
+    if n <= plan.given.len() {
+        return Err(SelectionError::NothingToSelect { wanted: n, given: plan.given.len() });
+    }
+    let visible = candidates.pool.visible();
+    let given = given_rows(plan, visible)?;
+    let index = index_for(plan, candidates, &given, n);
+    let index = index.as_deref().map_or_else(
+        || match plan.aim {
+            Aim::Index(index) => index,
+            // `index_for` makes one in this case.
+            Aim::PoseError => &crate::observability::O1,
+        },
+        |index| index,
+    );
+    let directions = visible.ncols();
+    if 6 * n < directions && !index.prior() {
+        return Err(SelectionError::TooFewPoses {
+            poses: n,
+            rows: 6 * n,
+            directions,
+            index: index.name().into(),
+            least: directions.div_ceil(6),
+        });
+    }
+    let problem = Problem {
+        campaign: plan.campaign,
+        candidates,
+        index,
+        given: &given,
+        count: n - plan.given.len(),
+        seed: plan.seed,
+        watch: plan.watch,
+    };
+    let choice = selector.select(&problem)?;
+    let value = problem.value_of(&choice.poses);
+    let bound = if with_bound { certify(&problem, &choice.poses)? } else { None };
+    let efficiency = bound.map(|b| match index.goal() {
+        Goal::Largest => value / b,
+        Goal::Smallest => b / value,
+    });
+    let poses: Vec<Pose> = plan.given.iter().chain(&choice.poses).copied().collect();
+    Ok(Report {
+        index: index.name().into(),
+        value,
+        bound,
+        efficiency,
+        iterations: choice.iterations,
+        trace: choice.trace,
+        candidates: candidates.len(),
+        invisible: visible.nrows() - directions,
+        forecast: plan.forecaster.map(|f| f.forecast(&poses)),
+        poses,
+    })
+}
+
+fn given_rows(plan: &Plan<'_>, visible: &DMatrix<f64>) -> Result<Vec<DMatrix<f64>>, SelectionError> {
+    let rows = |(row, pose): (usize, &Pose)| {
+        let block = plan.campaign.block(pose).map_err(|cause| SelectionError::Given { row, cause })?;
+        let silent = || DMatrix::zeros(6, visible.nrows());
+        Ok(block.rows().unwrap_or_else(silent) * visible)
+    };
+    plan.given.iter().enumerate().map(rows).collect()
+}
+
+/// The predicted error as index, with the tolerances as prior if good poses alone do not decide every direction.
+fn index_for(
+    plan: &Plan<'_>,
+    candidates: &Candidates,
+    given: &[DMatrix<f64>],
+    n: usize,
+) -> Option<Box<dyn ObservabilityIndex>> {
+    let (Aim::PoseError, Some(forecaster)) = (plan.aim, plan.forecaster) else { return None };
+    let visible = candidates.pool.visible();
+    let without = forecaster.index(visible, false);
+    let count = (n - given.len()).min(candidates.len());
+    let problem = Problem {
+        campaign: plan.campaign,
+        candidates,
+        index: &without,
+        given,
+        count,
+        seed: plan.seed,
+        watch: plan.watch,
+    };
+    let set = problem.set(&problem.greedy());
+    let values = Spectrum::of(&set.rows(), n, false).values;
+    let prior = 6 * n < visible.ncols() || values.iter().any(|s| *s < DECIDED);
+    Some(Box::new(without.with_prior(prior)))
+}
+
+/// The bound over the candidates and these poses.
+fn certify(problem: &Problem<'_>, poses: &[Pose]) -> Result<Option<f64>, SelectionError> {
+    let known = |pose: &Pose| problem.candidates.poses.contains(pose);
+    let moved: Vec<Pose> = poses.iter().filter(|p| !known(p)).copied().collect();
+    let fixed = fixed_rows(problem);
+    let bound = |candidates: &Candidates| {
+        relax(&candidates.pool, problem.index, &fixed, problem.given.len(), problem.count).map(|r| r.bound)
+    };
+    if moved.is_empty() {
+        return Ok(bound(problem.candidates));
+    }
+    let all = problem.candidates.with(problem.campaign, &moved)?;
+    // Fixed rows are along the directions that the candidates saw before; more poses of the same box see no others.
+    Ok(if all.pool.directions() == fixed.ncols() { bound(&all) } else { None })
+}
