@@ -13,9 +13,9 @@ use super::{
     Convention, Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
     Registration, Task, Weights, frames_differ, plausibility, register,
 };
-use crate::observability::PredictedError;
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Body, Mechanism, Workspace};
+use crate::observability::PredictedError;
 use crate::pose::PoseConvention;
 
 /// What is asked of a calibration.

@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 use super::problem::CalibrationProblem;
 use super::result::linearized;
 use super::{IdentifyError, Task, Weights};
-use crate::observability::DECIDED;
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
+use crate::observability::DECIDED;
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]

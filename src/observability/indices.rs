@@ -1,7 +1,7 @@
 //! The five indices of the paper, eqs. (34)–(38).
 
-use super::{FastForm, ObservabilityIndex, Spectrum};
 use super::kernel::Extremes;
+use super::{FastForm, ObservabilityIndex, Spectrum};
 
 /// `O1 = (σ₁ ⋯ σ_L)^(1/L) / √n`, eq. (34): the volume of what is determined (D-optimality).
 #[derive(Clone, Copy, Debug, Default)]

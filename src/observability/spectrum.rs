@@ -18,11 +18,7 @@ impl Spectrum {
     /// lose the small ones.
     pub fn of(rows: &DMatrix<f64>, poses: usize, with_directions: bool) -> Self {
         let n = rows.ncols();
-        let square = if rows.nrows() > n {
-            rows.clone().qr().r()
-        } else {
-            rows.clone().resize_vertically(n, 0.0)
-        };
+        let square = if rows.nrows() > n { rows.clone().qr().r() } else { rows.clone().resize_vertically(n, 0.0) };
         // Rows of absurdly small noise overflow when they are squared.
         let largest = square.amax().max(f64::MIN_POSITIVE);
         let svd = (square / largest).svd(false, with_directions);

@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors, WeakDirection};
-use crate::observability::Scaling;
-use crate::selection::{Prospect, Report, Requirement};
 use crate::mechanism::{Mechanism, Survey};
+use crate::observability::Scaling;
 use crate::pose::PoseConvention;
+use crate::selection::{Prospect, Report, Requirement};
 use crate::units::{Dimension, fixed, show_angle, show_length, show_probability, three_digits};
 
 /// Long lists are cut after this many lines.

@@ -35,6 +35,8 @@ pub struct Candidates {
 
 /// Poses that are drawn for each that is wanted, at most.
 const DRAWS: usize = 200;
+/// Candidates are drawn from a stream of their own, so that selectors with the same seed know nothing of them.
+const STREAM: u64 = 1 << 40;
 /// Halvings when an infeasible corner is pulled towards the centre.
 const PULLS: usize = 30;
 
@@ -185,6 +187,7 @@ fn pulled(campaign: &Campaign<'_>, points: &[[f64; 6]], rejected: &mut Rejected)
 
 fn draw(campaign: &Campaign<'_>, sources: &Sources, poses: &mut Vec<Pose>, rejected: &mut Rejected) {
     let mut rng = ChaCha8Rng::seed_from_u64(sources.seed);
+    rng.set_stream(STREAM);
     let wanted = poses.len() + sources.random;
     poses.reserve(sources.random);
     let mut draws = 0;

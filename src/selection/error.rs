@@ -12,7 +12,9 @@ pub enum SelectionError {
     #[error("--scaling whitened needs [noise] in the mechanism file; state it, or use --scaling paper")]
     NoNoise,
     /// Whitened columns need tolerances.
-    #[error("--scaling whitened needs [tolerance] in the mechanism file ({parameter} has none); state it, or use --scaling paper")]
+    #[error(
+        "--scaling whitened needs [tolerance] in the mechanism file ({parameter} has none); state it, or use --scaling paper"
+    )]
     NoTolerance {
         /// A parameter without one.
         parameter: String,
@@ -33,7 +35,9 @@ pub enum SelectionError {
         ill: usize,
     },
     /// A list or a draw gave fewer poses than are to be selected.
-    #[error("{wanted} poses are wanted but only {found} candidates can be measured; ask for fewer poses or offer more candidates")]
+    #[error(
+        "{wanted} poses are wanted but only {found} candidates can be measured; ask for fewer poses or offer more candidates"
+    )]
     TooFewCandidates {
         /// Poses to select.
         wanted: usize,
@@ -74,7 +78,9 @@ pub enum SelectionError {
         cause: KinematicsError,
     },
     /// No target pose of the predicted error can be reached.
-    #[error("none of the {0} target poses has joints; the predicted pose error needs poses that the mechanism can reach")]
+    #[error(
+        "none of the {0} target poses has joints; the predicted pose error needs poses that the mechanism can reach"
+    )]
     NoTarget(usize),
     /// An accuracy that no number of poses up to the largest reaches.
     #[error(

@@ -49,7 +49,8 @@ impl PoseSelector for Exchange {
         problem.check()?;
         // Indices whose scans need a decomposition get fewer of them.
         let costly = matches!(problem.index.fast(), FastForm::Extremes(_) | FastForm::HarmonicSum | FastForm::None);
-        let (starts, rounds) = if costly { (self.starts.div_ceil(3), self.rounds / 4) } else { (self.starts, self.rounds) };
+        let (starts, rounds) =
+            if costly { (self.starts.div_ceil(3), self.rounds / 4) } else { (self.starts, self.rounds) };
         let mut sets = self.informed_starts(problem);
         sets.extend(
             (0..starts as u64)
@@ -101,7 +102,8 @@ impl Exchange {
     fn informed_starts(&self, problem: &Problem<'_>) -> Vec<Vec<usize>> {
         let mut sets = vec![problem.greedy()];
         let fixed = fixed_rows(problem);
-        if let Some(found) = relax(&problem.candidates.pool, problem.index, &fixed, problem.given.len(), problem.count) {
+        if let Some(found) = relax(&problem.candidates.pool, problem.index, &fixed, problem.given.len(), problem.count)
+        {
             sets.extend(rounded(problem, found.weights));
         }
         if matches!(problem.index.fast(), FastForm::Extremes(_)) {

@@ -64,7 +64,12 @@ pub struct Report {
 ///
 /// # Errors
 /// [`SelectionError`].
-pub fn select(plan: &Plan<'_>, selector: &dyn PoseSelector, sources: &Sources, n: usize) -> Result<Report, SelectionError> {
+pub fn select(
+    plan: &Plan<'_>,
+    selector: &dyn PoseSelector,
+    sources: &Sources,
+    n: usize,
+) -> Result<Report, SelectionError> {
     let candidates = Candidates::collect(plan.campaign, sources)?;
     select_among(plan, selector, &candidates, n, true)
 }

@@ -98,7 +98,9 @@ impl Rest {
         };
         match fast {
             FastForm::Determinant => inverse().map(Self::Determinant),
-            FastForm::Trace(gain) => inverse().map(|inverse| Self::Trace { middle: &inverse * gain * &inverse, inverse }),
+            FastForm::Trace(gain) => {
+                inverse().map(|inverse| Self::Trace { middle: &inverse * gain * &inverse, inverse })
+            }
             _ => None,
         }
         .or_else(|| Some(Self::Rows { square: square.clone(), poses: others.len() + problem.given.len() }))

@@ -40,8 +40,14 @@ pub fn prospect(
     let sources = Sources { random: 200, corners_and_grid: true, seed, ..Sources::default() };
     let candidates = Candidates::collect(&campaign, &sources)?;
     let forecaster = Forecaster::new(campaign.clone(), &[])?;
-    let plan =
-        Plan { campaign: &campaign, forecaster: Some(&forecaster), aim: Aim::Index(&O1), given: &[], seed, watch: &|_| {} };
+    let plan = Plan {
+        campaign: &campaign,
+        forecaster: Some(&forecaster),
+        aim: Aim::Index(&O1),
+        given: &[],
+        seed,
+        watch: &|_| {},
+    };
     let selector = Exchange { starts: 4, rounds: 0, polish: false };
     let report = select_among(&plan, &selector, &candidates, n, true)?;
     let forecast = report.forecast.ok_or(SelectionError::NoNoise)?;

@@ -94,9 +94,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?;
     let mechanism = machine.mechanism.as_ref();
     let file = || args.mechanism.display().to_string();
-    let workspace = machine
-        .workspace
-        .with_context(|| format!("{}: state [workspace]: poses are chosen from it", file()))?;
+    let workspace =
+        machine.workspace.with_context(|| format!("{}: state [workspace]: poses are chosen from it", file()))?;
     let poses = |path: &Option<PathBuf>| -> Result<Vec<Pose>> {
         let Some(path) = path else { return Ok(Vec::new()) };
         Ok(read_poses(path, &machine)?.into_iter().map(|l: ListedPose| l.pose).collect())
@@ -253,7 +252,9 @@ fn requirement(text: &str) -> Result<Requirement> {
             Ok(value) => (&mut wanted.position, value),
             Err(_) => match parse_quantity(part, Dimension::Angle) {
                 Ok(value) => (&mut wanted.rotation, value),
-                Err(_) => bail!("--require {text}: '{part}' is neither a length such as 2um nor an angle such as 0.5arcsec"),
+                Err(_) => {
+                    bail!("--require {text}: '{part}' is neither a length such as 2um nor an angle such as 0.5arcsec")
+                }
             },
         };
         if !(value > 0.0) {

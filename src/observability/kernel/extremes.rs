@@ -38,8 +38,12 @@ impl Extremes {
 /// Leading eigenvectors in which the largest eigenvalue is bounded.
 const LEADING: usize = 6;
 const POWER_STEPS: usize = 4;
-/// Halvings of an interval of eigenvalues: its logarithm shrinks by 1e-14.
-const HALVINGS: usize = 46;
+/// Relative width at which an interval of eigenvalues counts as a number.
+const NARROW: f64 = 1e-13;
+/// How far above its lower bound the largest eigenvalue is first sought.
+const FIRST_WIDTH: f64 = 0.1;
+/// Halvings of that interval before the smallest eigenvalue is computed.
+const NARROWINGS: usize = 8;
 /// Candidates that fall short by less than this are still evaluated.
 const CLOSE: f64 = 1e-6;
 
@@ -64,15 +68,7 @@ impl<L: Layout> Scan<L> for ExtremesScan<'_> {
     }
 
     #[inline(always)]
-    fn batch<S: Simd>(
-        &self,
-        simd: S,
-        layout: &L,
-        batch: &[Lanes],
-        open: &Lanes,
-        out: &mut Lanes,
-        work: &mut Work<S>,
-    ) {
+    fn batch<S: Simd>(&self, simd: S, layout: &L, batch: &[Lanes], open: &Lanes, out: &mut Lanes, work: &mut Work<S>) {
         *out = [0.0; LANES];
         let width = LANES / vectors::<S>();
         for vector in 0..vectors::<S>() {
@@ -83,23 +79,54 @@ impl<L: Layout> Scan<L> for ExtremesScan<'_> {
             layout.rotate(simd, batch, vector, self.rotation, &mut work.y);
             let p = layout.noise(simd, batch, vector);
             let lane = Lane { simd, p, y: &work.y, lambda: self.lambda, sign: self.sign };
-            let largest = if self.index.over_largest { lane.largest_at_least() } else { simd.splat_f64s(0.0) };
-            let bounds = spread::<S>(largest);
-            let mut needed = [0.0; LANES];
-            for (b, l) in needed.iter_mut().zip(&bounds) {
-                *b = self.index.needed(work.best * (1.0 - CLOSE), *l);
-            }
-            let below = spread::<S>(lane.below(load::<S>(&needed, 0)));
-            if lanes.clone().all(|k| open[k] == 0.0 || below[k - lanes.start] > 0.5) {
-                continue;
-            }
+            let mut open_here = [0.0; LANES];
+            open_here[..width].copy_from_slice(&open[lanes.clone()]);
+            let Some((low, high)) = self.survivors(&lane, &open_here, work.best) else { continue };
             let smallest = spread::<S>(lane.smallest());
-            let largest = if self.index.over_largest { spread::<S>(lane.largest(largest)) } else { bounds };
+            let largest = if self.index.over_largest { spread::<S>(lane.between(low, high)) } else { [0.0; LANES] };
             for k in lanes.clone() {
                 out[k] = open[k] * self.index.value(smallest[k - lanes.start], largest[k - lanes.start]);
                 work.best = work.best.max(out[k]);
             }
         }
+    }
+}
+
+// Nothing here may hide in a closure: a closure is compiled for the least machine and called.
+impl ExtremesScan<'_> {
+    /// Bounds of the largest eigenvalue of each lane, or `None` once it is sure that no open lane beats `best`: the
+    /// bounds are narrowed until either that shows or they are tight.
+    #[inline(always)]
+    fn survivors<S: Simd>(&self, lane: &Lane<'_, S>, open: &Lanes, best: f64) -> Option<(S::f64s, S::f64s)> {
+        let simd = lane.simd;
+        let best = best * (1.0 - CLOSE);
+        if !self.index.over_largest {
+            let zero = simd.splat_f64s(0.0);
+            return if self.hopeless(lane, open, best, zero) { None } else { Some((zero, zero)) };
+        }
+        let mut low = lane.largest_at_least();
+        if self.hopeless(lane, open, best, low) {
+            return None;
+        }
+        let mut high = lane.largest_at_most(low);
+        for _ in 0..NARROWINGS {
+            (low, high) = lane.narrower(low, high);
+            if self.hopeless(lane, open, best, low) {
+                return None;
+            }
+        }
+        Some((low, high))
+    }
+
+    /// True if no open lane whose largest eigenvalue is at least `largest` has an index above `best`.
+    #[inline(always)]
+    fn hopeless<S: Simd>(&self, lane: &Lane<'_, S>, open: &Lanes, best: f64, largest: S::f64s) -> bool {
+        let mut needed = spread::<S>(largest);
+        for l in &mut needed {
+            *l = self.index.needed(best, *l);
+        }
+        let below = spread::<S>(lane.below(load::<S>(&needed, 0)));
+        open.iter().zip(&below).all(|(open, below)| *open == 0.0 || *below > 0.5)
     }
 }
 
@@ -159,7 +186,9 @@ impl<S: Simd> Lane<'_, S> {
     fn bisect(&self, mut low: S::f64s, mut high: S::f64s, wanted: f64) -> S::f64s {
         let simd = self.simd;
         let wanted = simd.splat_f64s(wanted - 0.5);
-        for _ in 0..HALVINGS {
+        let widest = spread::<S>(simd.div_f64s(high, low)).into_iter().fold(1.0, f64::max).ln();
+        let halvings = (widest / NARROW).log2().ceil().max(0.0) as usize;
+        for _ in 0..halvings {
             let middle = simd.sqrt_f64s(simd.mul_f64s(low, high));
             let beyond = simd.less_than_f64s(wanted, self.below(middle));
             high = simd.select_f64s(beyond, middle, high);
@@ -181,25 +210,45 @@ impl<S: Simd> Lane<'_, S> {
         self.bisect(low, high, 1.0)
     }
 
-    /// Largest eigenvalue, which is at least `bound`.
+    /// A number above the largest eigenvalue, which is at least `bound`.
     #[inline(always)]
-    fn largest(&self, bound: S::f64s) -> S::f64s {
+    fn largest_at_most(&self, bound: S::f64s) -> S::f64s {
         let simd = self.simd;
-        let n = self.lambda.len() as f64;
-        let low = simd.mul_f64s(bound, simd.splat_f64s(1.0 - 1e-12));
-        let mut high = simd.mul_f64s(bound, simd.splat_f64s(1.0 + 1e-3));
-        let all = simd.splat_f64s(n - 0.5);
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let mut step = simd.mul_f64s(bound, simd.splat_f64s(FIRST_WIDTH));
+        let mut high = simd.add_f64s(bound, step);
         for _ in 0..60 {
-            let inside = simd.less_than_f64s(all, self.below(high));
-            if spread::<S>(simd.select_f64s(inside, simd.splat_f64s(0.0), simd.splat_f64s(1.0)))
-                .iter()
-                .all(|v| *v == 0.0)
-            {
+            let outside = simd.select_f64s(self.all_below(high), zero, one);
+            if spread::<S>(outside).iter().all(|v| *v == 0.0) {
                 break;
             }
-            high = simd.select_f64s(inside, high, simd.add_f64s(high, simd.sub_f64s(high, low)));
+            high = simd.mul_add_e_f64s(outside, step, high);
+            step = simd.add_f64s(step, step);
         }
-        self.bisect(low, high, n)
+        high
+    }
+
+    /// Whether all eigenvalues lie below `b`.
+    #[inline(always)]
+    fn all_below(&self, b: S::f64s) -> S::m64s {
+        let all = self.simd.splat_f64s(self.lambda.len() as f64 - 0.5);
+        self.simd.less_than_f64s(all, self.below(b))
+    }
+
+    /// Half of an interval around the largest eigenvalue.
+    #[inline(always)]
+    fn narrower(&self, low: S::f64s, high: S::f64s) -> (S::f64s, S::f64s) {
+        let simd = self.simd;
+        let middle = simd.mul_f64s(simd.splat_f64s(0.5), simd.add_f64s(low, high));
+        let inside = self.all_below(middle);
+        (simd.select_f64s(inside, low, middle), simd.select_f64s(inside, middle, high))
+    }
+
+    /// Largest eigenvalue, which lies in an interval.
+    #[inline(always)]
+    fn between(&self, low: S::f64s, high: S::f64s) -> S::f64s {
+        let below = self.simd.splat_f64s(1.0 - 1e-12);
+        self.bisect(self.simd.mul_f64s(low, below), high, self.lambda.len() as f64)
     }
 
     /// A lower bound of the largest eigenvalue: the Rayleigh quotient after power steps in the span of the leading
