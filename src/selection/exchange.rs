@@ -104,7 +104,7 @@ impl Exchange {
         let fixed = fixed_rows(problem);
         if let Some(found) = relax(&problem.candidates.pool, problem.index, &fixed, problem.given.len(), problem.count)
         {
-            sets.extend(rounded(problem, found.weights));
+            sets.extend(rounded(problem, found.shares));
         }
         if matches!(problem.index.fast(), FastForm::Extremes(_)) {
             let smoother: [&dyn ObservabilityIndex; 2] = [&O1, &O5];
@@ -136,9 +136,9 @@ fn random(seed: u64, stream: u64) -> ChaCha8Rng {
 }
 
 /// The heaviest candidates; a greedy choice fills up what is missing.
-fn rounded(problem: &Problem<'_>, mut weights: Vec<(usize, f64)>) -> Option<Vec<usize>> {
-    weights.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let members: Vec<usize> = weights.iter().take(problem.count).map(|(k, _)| *k).collect();
+fn rounded(problem: &Problem<'_>, mut shares: Vec<(usize, f64)>) -> Option<Vec<usize>> {
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let members: Vec<usize> = shares.iter().take(problem.count).map(|(k, _)| *k).collect();
     let mut set = problem.set(&members);
     while set.members().len() < problem.count {
         let best = set.best_addition()?;

@@ -1,16 +1,16 @@
 //! How good a set of poses can be at most.
 //!
-//! Let candidates have weights `w ≥ 0`, `Σ w = 1`, and let `M(w) = M₀ + m Σ wₖ JₖᵀJₖ`: an approximate design for `m`
-//! poses beside fixed rows `M₀`. A criterion `φ(M)` that is concave lies below its tangent, so that for **every** `w`
-//! and every set `S` of `m` candidates
+//! A set takes each candidate once or not at all. Let it be taken in part, with a share `0 ≤ xₖ ≤ 1`, `Σ x = m`, and
+//! let `M(x) = M₀ + Σ xₖ JₖᵀJₖ`: an approximate design for `m` poses beside fixed rows `M₀`. A criterion `φ(M)` that is
+//! concave lies below its tangent, so that for **every** `x` and every set `S` of `m` candidates
 //!
 //! ```text
-//! φ(M₀ + Σ_S JₖᵀJₖ)  ≤  φ(M(w)) + m (maxₖ dₖ - Σ wₖ dₖ),      dₖ = tr(∇φ JₖᵀJₖ)
+//! φ(M₀ + Σ_S JₖᵀJₖ)  ≤  φ(M(x)) + (sum of the m largest dₖ) - Σ xₖ dₖ,      dₖ = tr(∇φ JₖᵀJₖ)
 //! ```
 //!
 //! which is the equivalence theorem read as a certificate (Kiefer and Wolfowitz 1960; Pukelsheim, *Optimal Design of
-//! Experiments*, 1993). Without fixed rows the scale of `M(w)` is free, and the best one gives a sharper form. The
-//! weights only make the bound tight; any weights make it true.
+//! Experiments*, 1993; for shares of at most one Wynn 1982). Without fixed rows the scale of `M(x)` is free, and the
+//! best one gives a sharper form. The shares only make the bound tight; any shares make it true.
 //!
 //! | index | `φ` | `∇φ` |
 //! |---|---|---|
@@ -24,12 +24,12 @@ use nalgebra::{Cholesky, DMatrix};
 use super::support::Support;
 use crate::observability::{FastForm, ObservabilityIndex, Pool};
 
-/// Weights of candidates, and what they prove.
+/// Shares of candidates, and what they prove.
 #[derive(Clone, Debug)]
 pub struct Relaxation {
-    /// Candidates with their weights, which sum to one.
-    pub weights: Vec<(usize, f64)>,
-    /// No set of as many poses from these candidates has a better value of the index.
+    /// Candidates with the part of each that is taken, at most one; they sum to the number of poses.
+    pub shares: Vec<(usize, f64)>,
+    /// No set of as many of these candidates, each taken once, has a better value of the index.
     pub bound: f64,
     /// Steps that led there.
     pub iterations: usize,
@@ -67,16 +67,16 @@ pub fn relax(
         Criterion::Determinant => {
             let l = pool.directions() as f64;
             let determinant = if free_scale {
-                volume.log_determinant + l * (volume.largest * support.count() / l).ln()
+                volume.log_determinant + l * (volume.top / l).ln()
             } else {
-                volume.log_determinant + support.count() * (volume.largest - volume.mean)
+                volume.log_determinant + volume.top - volume.within
             };
             let raw = determinant + 2.0 * pool.log_volume();
             ((raw / (2.0 * l)).exp() / ((count + fixed_poses) as f64).sqrt() * (1.0 + ROUNDING), volume.steps)
         }
         _ => approach(&mut support, &criterion, free_scale, volume.steps),
     };
-    best.is_finite().then(|| Relaxation { weights: support.weights(), bound: best, iterations })
+    best.is_finite().then(|| Relaxation { shares: support.shares(), bound: best, iterations })
 }
 
 enum Criterion<'a> {
@@ -86,7 +86,7 @@ enum Criterion<'a> {
     Smallest,
 }
 
-/// A matrix `Φ` in stored coordinates, what the index is at `M(w)`, and how `d` is read.
+/// A matrix `Φ` in stored coordinates, and what the index is at `M(x)`.
 struct Tangent {
     phi: DMatrix<f64>,
     /// `tr M^-½`, `tr G M⁻¹` or unused.
@@ -128,23 +128,21 @@ impl Criterion<'_> {
         }
     }
 
-    /// The bound that a tangent proves, from the largest and the weighted mean of `d`.
+    /// The bound that a tangent proves, from sums of `d`.
     fn bound(&self, tangent: &Tangent, support: &Support<'_>, d: &Spread, free_scale: bool) -> f64 {
-        let m = support.count();
         match self {
             Criterion::Determinant => f64::INFINITY,
             // Here d belongs to M^-3/2, twice the gradient.
-            Criterion::Harmonic if free_scale => (m * d.largest).sqrt() / tangent.now.powf(1.5) * (1.0 + ROUNDING),
+            Criterion::Harmonic if free_scale => d.top.sqrt() / tangent.now.powf(1.5) * (1.0 + ROUNDING),
             Criterion::Harmonic => {
-                let least = tangent.now - 0.5 * m * (d.largest - d.mean);
+                let least = tangent.now - 0.5 * (d.top - d.within);
                 if least > 0.0 { (1.0 + ROUNDING) / least } else { f64::INFINITY }
             }
-            Criterion::Trace(_) if free_scale => tangent.now / (m * d.largest).sqrt() * (1.0 - ROUNDING),
+            Criterion::Trace(_) if free_scale => tangent.now / d.top.sqrt() * (1.0 - ROUNDING),
             Criterion::Trace(_) => {
-                // tr(G M⁻¹) at M(w) is tr(Φ M), and the tangent takes m (largest - mean) off.
-                (tangent.now - m * (d.largest - d.mean)).max(0.0).sqrt() * (1.0 - ROUNDING)
+                (tangent.now - (d.top - d.within)).max(0.0).sqrt() * (1.0 - ROUNDING)
             }
-            Criterion::Smallest => ((&tangent.phi * support.fixed()).trace() + m * d.largest).sqrt() * (1.0 + ROUNDING),
+            Criterion::Smallest => ((&tangent.phi * support.fixed()).trace() + d.top).sqrt() * (1.0 + ROUNDING),
         }
     }
 
@@ -153,16 +151,16 @@ impl Criterion<'_> {
     }
 }
 
-/// The largest `d`, and the mean over the weights.
+/// The sum of the `m` largest `d`, and `Σ x d`.
 pub(super) struct Spread {
-    pub(super) largest: f64,
-    pub(super) mean: f64,
+    pub(super) top: f64,
+    pub(super) within: f64,
 }
 
-/// Multiplicative steps `w ← w d^γ` (Silvey, Titterington and Torsney 1978), with the best candidate let in at each.
+/// Multiplicative steps `x ← x d^γ` (Silvey, Titterington and Torsney 1978), with the best candidate let in at each.
 fn approach(support: &mut Support<'_>, criterion: &Criterion<'_>, free_scale: bool, before: usize) -> (f64, usize) {
     let worst = if matches!(criterion, Criterion::Trace(_)) { 0.0 } else { f64::INFINITY };
-    let mut best = (worst, support.weights());
+    let mut best = (worst, support.shares());
     let mut steps = before;
     let mut power: f64 = match criterion {
         Criterion::Trace(_) => 1.0,
@@ -180,10 +178,10 @@ fn approach(support: &mut Support<'_>, criterion: &Criterion<'_>, free_scale: bo
             if (bound / best.0 - 1.0).abs() > 1e-5 || best.0 == 0.0 {
                 since = 0;
             }
-            best = (bound, support.weights());
+            best = (bound, support.shares());
         }
         steps += 1;
-        let gap = spread.largest / spread.mean - 1.0;
+        let gap = spread.top / spread.within - 1.0;
         if matches!(criterion, Criterion::Smallest) {
             if since > 40 && power >= LARGEST_POWER {
                 break;
@@ -194,6 +192,6 @@ fn approach(support: &mut Support<'_>, criterion: &Criterion<'_>, free_scale: bo
         }
         support.multiply(&d, 1.0 / (power + 1.0));
     }
-    support.set_weights(&best.1);
+    support.set_shares(&best.1);
     (best.0, steps)
 }

@@ -1,61 +1,56 @@
-//! The candidates that carry weight in an approximate design.
+//! The candidates that have a share in an approximate design.
 
 use nalgebra::{Cholesky, DMatrix};
 
 use super::relaxation::Spread;
 use crate::observability::{O1, Pool, PoseSet};
 
-/// Weights below this part of the mean are dropped.
-const DROPPED: f64 = 1e-5;
+/// Shares below this are dropped.
+const DROPPED: f64 = 1e-6;
 /// Candidates let in after each look at all of them.
 const LET_IN: usize = 4;
-/// Exchanges of weight between two looks.
+/// Exchanges between two looks.
 const EXCHANGES: usize = 80;
 /// Looks at all candidates.
-const LOOKS: usize = 400;
+const LOOKS: usize = 600;
 
-/// Weights `w` of some candidates, and `M(w) = M₀ + m Σ wₖ JₖᵀJₖ` in stored coordinates.
+/// Shares `0 < xₖ ≤ 1` of some candidates, `Σ x = m`, and `M(x) = M₀ + Σ xₖ JₖᵀJₖ` in stored coordinates.
 pub(super) struct Support<'a> {
     pub(super) pool: &'a Pool,
     fixed: DMatrix<f64>,
-    count: f64,
+    count: usize,
     members: Vec<usize>,
-    weights: Vec<f64>,
+    shares: Vec<f64>,
     rows: Vec<DMatrix<f64>>,
 }
 
 /// Where the volume came to rest.
 pub(super) struct Volume {
     pub(super) log_determinant: f64,
-    pub(super) largest: f64,
-    pub(super) mean: f64,
+    pub(super) top: f64,
+    pub(super) within: f64,
     pub(super) steps: usize,
 }
 
 impl<'a> Support<'a> {
-    /// Equal weights on a set that determines everything. `None` if no set does.
+    /// Equal shares of a set that determines everything. `None` if no set does, or if there are fewer candidates than
+    /// poses.
     pub(super) fn new(pool: &'a Pool, fixed: &DMatrix<f64>, count: usize) -> Option<Self> {
+        if pool.len() < count || count == 0 {
+            return None;
+        }
         let directions = pool.directions();
         let stored = fixed * pool.inverse_basis();
         let mut set = PoseSet::new(pool, &O1, &[], &[]);
-        let enough = (directions.div_ceil(6) * 2 + 4).min(pool.len());
-        for _ in 0..enough {
-            let best = set.best_addition()?;
-            set.add(best.which);
-        }
-        while set.is_singular() {
+        let enough = (directions.div_ceil(6) * 2 + 4).max(count + count / 4).min(pool.len());
+        while set.members().len() < enough || set.is_singular() {
             let best = set.best_addition()?;
             set.add(best.which);
         }
         let members = set.members().to_vec();
         let rows = members.iter().map(|k| pool.stored(*k)).collect();
-        let weights = vec![1.0 / members.len() as f64; members.len()];
-        Some(Self { pool, fixed: stored.transpose() * stored, count: count as f64, members, weights, rows })
-    }
-
-    /// Number `m` of poses that the weights stand for.
-    pub(super) fn count(&self) -> f64 {
-        self.count
+        let shares = vec![count as f64 / members.len() as f64; members.len()];
+        Some(Self { pool, fixed: stored.transpose() * stored, count, members, shares, rows })
     }
 
     /// `M₀`.
@@ -63,21 +58,21 @@ impl<'a> Support<'a> {
         &self.fixed
     }
 
-    pub(super) fn weights(&self) -> Vec<(usize, f64)> {
-        self.members.iter().copied().zip(self.weights.iter().copied()).collect()
+    pub(super) fn shares(&self) -> Vec<(usize, f64)> {
+        self.members.iter().copied().zip(self.shares.iter().copied()).collect()
     }
 
-    pub(super) fn set_weights(&mut self, weights: &[(usize, f64)]) {
-        (self.members, self.weights) = weights.iter().copied().unzip();
+    pub(super) fn set_shares(&mut self, shares: &[(usize, f64)]) {
+        (self.members, self.shares) = shares.iter().copied().unzip();
         self.rows = self.members.iter().map(|k| self.pool.stored(*k)).collect();
     }
 
-    /// `M(w)`.
+    /// `M(x)`.
     pub(super) fn information(&self) -> DMatrix<f64> {
         let n = self.pool.directions();
         let mut stack = DMatrix::zeros(6 * self.members.len(), n);
-        for (k, (rows, w)) in self.rows.iter().zip(&self.weights).enumerate() {
-            stack.view_mut((6 * k, 0), (6, n)).copy_from(&(rows * (self.count * w).sqrt()));
+        for (k, (rows, x)) in self.rows.iter().zip(&self.shares).enumerate() {
+            stack.rows_mut(6 * k, 6).copy_from(&(rows * x.sqrt()));
         }
         let mut m = self.fixed.clone();
         m.gemm(1.0, &stack.transpose(), &stack, 1.0);
@@ -89,43 +84,71 @@ impl<'a> Support<'a> {
         self.pool.directional(phi)
     }
 
-    /// Largest `d` and its mean over the weights.
+    /// The sums that make the certificate.
     pub(super) fn spread(&self, d: &[f64]) -> Spread {
-        let mean = self.members.iter().zip(&self.weights).map(|(k, w)| d[*k] * w).sum();
-        Spread { largest: d.iter().copied().fold(0.0, f64::max), mean }
-    }
-
-    fn let_in(&mut self, candidate: usize, weight: f64) {
-        if !self.members.contains(&candidate) {
-            self.members.push(candidate);
-            self.weights.push(weight);
-            self.rows.push(self.pool.stored(candidate));
+        let within = self.members.iter().zip(&self.shares).map(|(k, x)| d[*k] * x).sum();
+        let mut sorted = d.to_vec();
+        if self.count < sorted.len() {
+            sorted.select_nth_unstable_by(self.count - 1, |a, b| b.total_cmp(a));
         }
+        Spread { top: sorted[..self.count].iter().sum(), within }
     }
 
-    fn drop_light(&mut self) {
-        let limit = DROPPED / self.members.len() as f64;
-        let kept: Vec<usize> = (0..self.members.len()).filter(|k| self.weights[*k] > limit).collect();
+    /// Candidates outside with the largest `d`, in order of their number.
+    fn outside(&self, d: &[f64], how_many: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..d.len()).filter(|k| !self.members.contains(k)).collect();
+        if how_many < order.len() {
+            order.select_nth_unstable_by(how_many, |a, b| d[*b].total_cmp(&d[*a]).then(a.cmp(b)));
+            order.truncate(how_many);
+        }
+        order.sort_unstable();
+        order
+    }
+
+    fn let_in(&mut self, candidate: usize, share: f64) {
+        self.members.push(candidate);
+        self.shares.push(share);
+        self.rows.push(self.pool.stored(candidate));
+    }
+
+    /// Drops what is negligible and brings the sum back to `m` with no share above one.
+    fn tidy(&mut self) {
+        let kept: Vec<usize> = (0..self.members.len()).filter(|k| self.shares[*k] > DROPPED).collect();
         self.members = kept.iter().map(|k| self.members[*k]).collect();
         self.rows = kept.iter().map(|k| self.rows[*k].clone()).collect();
-        self.weights = kept.iter().map(|k| self.weights[*k]).collect();
-        let sum: f64 = self.weights.iter().sum();
-        self.weights.iter_mut().for_each(|w| *w /= sum);
+        self.shares = kept.iter().map(|k| self.shares[*k]).collect();
+        let count = self.count as f64;
+        // Scaling up can push further shares over one; each round fixes at least one of them.
+        for _ in 0..=self.shares.len() {
+            let full = self.shares.iter().filter(|x| **x >= 1.0).count() as f64;
+            let rest: f64 = self.shares.iter().filter(|x| **x < 1.0).sum();
+            if rest <= 0.0 {
+                break;
+            }
+            let factor = (count - full) / rest;
+            self.shares.iter_mut().for_each(|x| *x = if *x >= 1.0 { 1.0 } else { *x * factor });
+            if self.shares.iter().all(|x| *x <= 1.0) {
+                break;
+            }
+        }
     }
 
-    /// `w ← w d^γ`, and the candidate with the largest `d` is let in.
+    /// `x ← x d^γ`, and the best candidate outside is let in.
     pub(super) fn multiply(&mut self, d: &[f64], exponent: f64) {
-        let best = (0..d.len()).max_by(|a, b| d[*a].total_cmp(&d[*b]));
-        if let Some(best) = best {
-            self.let_in(best, 1e-2 / self.members.len() as f64);
+        let smallest = self.members.iter().map(|k| d[*k]).fold(f64::INFINITY, f64::min);
+        for candidate in self.outside(d, 1) {
+            if d[candidate] > smallest {
+                self.let_in(candidate, 1e-2);
+            }
         }
-        for (k, w) in self.members.iter().zip(&mut self.weights) {
-            *w *= d[*k].max(0.0).powf(exponent);
+        let mean = self.spread(d).within / self.count as f64;
+        for (k, x) in self.members.iter().zip(&mut self.shares) {
+            *x *= (d[*k].max(0.0) / mean).powf(exponent);
         }
-        self.drop_light();
+        self.tidy();
     }
 
-    /// Maximises `ln det M(w)` by exchanging weight between pairs of candidates with an exact line search (Böhning
+    /// Maximises `ln det M(x)` by exchanging shares between pairs of candidates with an exact line search (Böhning
     /// 1986), until the certificate is within `gap` of the index.
     pub(super) fn maximise_volume(&mut self, gap: f64) -> Volume {
         let l = self.pool.directions() as f64;
@@ -134,43 +157,36 @@ impl<'a> Support<'a> {
             let m = self.information();
             let Some(factor) = Cholesky::new(m) else { break };
             let d = self.directional(&factor.inverse());
-            let spread = self.spread(&d);
-            if self.count * (spread.largest - spread.mean) < 2.0 * l * gap || look == LOOKS {
+            let Spread { top, within } = self.spread(&d);
+            if top - within < 2.0 * l * gap || look == LOOKS {
                 let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum::<f64>();
-                return Volume { log_determinant, largest: spread.largest, mean: spread.mean, steps };
+                return Volume { log_determinant, top, within, steps };
             }
-            let mut order: Vec<usize> = (0..d.len()).collect();
-            order.select_nth_unstable_by(LET_IN.min(d.len() - 1), |a, b| d[*b].total_cmp(&d[*a]).then(a.cmp(b)));
-            order.truncate(LET_IN);
-            order.sort_unstable();
-            for candidate in order {
+            for candidate in self.outside(&d, LET_IN) {
                 self.let_in(candidate, 0.0);
             }
-            let inside = 0.1 * self.count * (spread.largest - spread.mean);
-            steps += self.exchange(factor.inverse(), inside);
-            self.drop_light();
+            steps += self.exchange(factor.inverse(), 0.1 * (top - within) / self.count as f64);
+            self.tidy();
         }
-        Volume { log_determinant: f64::NAN, largest: f64::NAN, mean: f64::NAN, steps }
+        Volume { log_determinant: f64::NAN, top: f64::NAN, within: f64::NAN, steps }
     }
 
-    /// Exchanges within the support until its own certificate is below `gap`; returns their number.
+    /// Exchanges within the support until no pair differs by more than `gap`; returns their number.
     fn exchange(&mut self, mut inverse: DMatrix<f64>, gap: f64) -> usize {
         for step in 0..EXCHANGES {
             let d: Vec<f64> = self.rows.iter().map(|b| (b * &inverse).dot(b)).collect();
-            let heaviest = |a: &usize, b: &usize| d[*a].total_cmp(&d[*b]);
-            let Some(to) = (0..d.len()).max_by(heaviest) else { return step };
-            let Some(from) = (0..d.len()).filter(|k| self.weights[*k] > 0.0).min_by(heaviest) else { return step };
-            if to == from || self.count * (d[to] - d[from]) < gap {
+            let heavier = |a: &usize, b: &usize| d[*a].total_cmp(&d[*b]);
+            let Some(to) = (0..d.len()).filter(|k| self.shares[*k] < 1.0).max_by(heavier) else { return step };
+            let Some(from) = (0..d.len()).filter(|k| self.shares[*k] > 0.0).min_by(heavier) else { return step };
+            if to == from || d[to] - d[from] < gap {
                 return step;
             }
-            let t = self.best_shift(&inverse, from, to);
-            self.weights[to] += t;
-            self.weights[from] -= t;
-            if self.weights[from] < 1e-15 {
-                self.weights[from] = 0.0;
-            }
+            let most = self.shares[from].min(1.0 - self.shares[to]);
+            let t = self.best_shift(&inverse, from, to, most);
+            self.shares[to] = if t == 1.0 - self.shares[to] { 1.0 } else { self.shares[to] + t };
+            self.shares[from] = if t == self.shares[from] { 0.0 } else { self.shares[from] - t };
             for (which, sign) in [(to, 1.0), (from, -1.0)] {
-                let rows = &self.rows[which] * (self.count * t).sqrt();
+                let rows = &self.rows[which] * t.sqrt();
                 let across = &inverse * rows.transpose();
                 let middle = DMatrix::identity(6, 6) + &rows * &across * sign;
                 let Some(factor) = Cholesky::new(middle) else { return step + 1 };
@@ -181,15 +197,13 @@ impl<'a> Support<'a> {
         EXCHANGES
     }
 
-    /// The shift of weight that makes the determinant largest.
-    fn best_shift(&self, inverse: &DMatrix<f64>, from: usize, to: usize) -> f64 {
-        let n = self.pool.directions();
-        let mut rows = DMatrix::zeros(12, n);
+    /// The shift of shares, at most `most`, that makes the determinant largest.
+    fn best_shift(&self, inverse: &DMatrix<f64>, from: usize, to: usize, most: f64) -> f64 {
+        let mut rows = DMatrix::zeros(12, self.pool.directions());
         rows.rows_mut(0, 6).copy_from(&self.rows[to]);
         rows.rows_mut(6, 6).copy_from(&self.rows[from]);
-        let x = &rows * inverse * rows.transpose() * self.count;
-        // det(I + t D X) = Π (1 + t μ) for the eigenvalues μ of Cᵀ D C, X = C Cᵀ.
-        let most = self.weights[from];
+        let x = &rows * inverse * rows.transpose();
+        // det(I + t D X) = Π (1 + t μ) for the eigenvalues μ of Cᵀ D C, X = C Cᵀ, D = diag(I, -I).
         let Some(c) = Cholesky::new(&x + DMatrix::identity(12, 12) * (1e-14 * x.trace())) else { return 0.5 * most };
         let c = c.unpack();
         let mut signed = c.clone();
