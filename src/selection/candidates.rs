@@ -36,7 +36,7 @@ pub struct Candidates {
 /// Poses that are drawn for each that is wanted, at most.
 const DRAWS: usize = 200;
 /// Candidates are drawn from a stream of their own, so that selectors with the same seed know nothing of them.
-const STREAM: u64 = 3 << 32;
+const STREAM: u64 = 5 << 32;
 /// Halvings when an infeasible corner is pulled towards the centre.
 const PULLS: usize = 30;
 

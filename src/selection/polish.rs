@@ -14,6 +14,10 @@ const PASSES: usize = 12;
 /// A pass that gains less than this is the last.
 const WORTH_IT: f64 = 1e-7;
 
+/// Poses stay this far apart in some coordinate: the same pose measured twice would be another problem, for which the
+/// bound does not hold.
+const APART: f64 = 0.05;
+
 /// Moves each pose along the coordinates of the workspace as long as the index gets better and the pose stays
 /// feasible (a compass search); returns the value. Never makes the index worse.
 pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
@@ -27,6 +31,10 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
         for k in 0..poses.len() {
             let Some(rest) = Rest::of(problem, poses, k) else { continue };
             let mut u = coordinates(problem, &poses[k]);
+            let others: Vec<[f64; 6]> = (0..poses.len())
+                .filter(|other| *other != k)
+                .map(|other| coordinates(problem, &poses[other]))
+                .collect();
             let Some(mut best) = rest.score(problem, &poses[k]) else { continue };
             let mut step = FIRST_STEP;
             while step >= smallest {
@@ -35,7 +43,7 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
                     for sign in [1.0, -1.0] {
                         let mut next = u;
                         next[*axis] = (u[*axis] + sign * step).clamp(-1.0, 1.0);
-                        if next == u {
+                        if next == u || others.iter().any(|other| distance(other, &next) < APART) {
                             continue;
                         }
                         let pose = problem.campaign.settled(&workspace.pose(&next));
@@ -66,6 +74,11 @@ fn coordinates(problem: &Problem<'_>, pose: &Pose) -> [f64; 6] {
     let w = &problem.campaign.workspace;
     let q = w.convention.coordinates(pose);
     std::array::from_fn(|k| if w.half[k] > 0.0 { ((q[k] - w.centre[k]) / w.half[k]).clamp(-1.0, 1.0) } else { 0.0 })
+}
+
+/// The largest difference of two poses in half-ranges.
+fn distance(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// All poses but one, ready to be scored with another in its place.
