@@ -775,3 +775,81 @@ fn readers_that_went_away_do_no_harm() {
         assert!(bench.path().join(file).is_file(), "{file}");
     }
 }
+
+/// A list of poses like the data, cut to some rows.
+fn some_poses(rows: usize) -> String {
+    poses().lines().take(1 + rows).map(|l| l.to_owned() + "\n").collect()
+}
+
+#[test]
+fn select_without_a_workspace() {
+    let text = MECHANISM.split("[workspace]").next().unwrap();
+    Bench::with_mechanism(text).refuses("select m.toml -o p.csv", &["m.toml", "[workspace]"]);
+}
+
+#[test]
+fn select_with_too_few_poses() {
+    let bench = Bench::new();
+    bench.refuses("select m.toml -o p.csv -n 6", &["6 poses give 36 rows for 42", "o1 = 0", "at least 7"]);
+    bench.refuses("select m.toml -o p.csv -n 0", &["-n 0", "at least one"]);
+    let three = bench.file("g.csv", some_poses(3));
+    three.refuses("select m.toml -o p.csv -n 3 --given g.csv", &["3 poses are given", "-n"]);
+}
+
+#[test]
+fn select_without_a_feasible_candidate() {
+    let bench = Bench::with_mechanism(with_stroke("[799.0, 800.0]"));
+    let before = bench.listing();
+    let output = bench.run("select m.toml -o p.csv --candidates 3 --selector random -n 3 --index o3 --quiet");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    for part in ["m.toml", "none of 600", "600 need a joint outside its stroke", "make the workspace smaller"] {
+        assert!(message.contains(part), "'{part}' is not in {message}");
+    }
+    assert!(output.stdout.is_empty() && bench.listing() == before);
+}
+
+#[test]
+fn select_by_an_unknown_index_or_selector() {
+    let bench = Bench::new();
+    bench.refuses("select m.toml -o p.csv --index o6", &["o6", "o1", "pose-error"]);
+    bench.refuses("select m.toml -o p.csv --selector best", &["best", "tabu-detmax"]);
+    bench.refuses("select m.toml -o p.csv --scaling metres", &["metres", "whitened", "paper"]);
+}
+
+#[test]
+fn select_with_a_requirement_that_cannot_be_met() {
+    let bench = Bench::new();
+    let call = "select m.toml -o p.csv --candidates 50 --no-polish --no-corners --require";
+    bench.refuses(&format!("{call} 0.01um"), &["50 poses are predicted", "does not meet", "times as precise"]);
+    bench.refuses(&format!("{call} fast"), &["'fast'", "2um", "0.5arcsec"]);
+    bench.refuses(&format!("{call} 1um,2um"), &["one length and one angle"]);
+    bench.refuses(&format!("{call} 0um"), &["'0um' must be positive"]);
+    bench.refuses(&format!("{call} 1um -n 20"), &["--require", "-n"]);
+}
+
+#[test]
+fn select_without_noise_or_tolerance() {
+    let bench = Bench::with_mechanism(without_tolerance());
+    bench.refuses("select m.toml -o p.csv --scaling whitened", &["[tolerance]", "xA1", "--scaling paper"]);
+    bench.refuses("select m.toml -o p.csv --index pose-error", &["pose-error", "[tolerance]"]);
+    bench.refuses("select m.toml -o p.csv --require 1um", &["[noise] and [tolerance]"]);
+    let output = bench.writes("select m.toml -o p.csv --candidates 30 --no-polish", &["p.csv"]);
+    assert!(stderr(&output).contains("mm and rad"), "{}", stderr(&output));
+}
+
+#[test]
+fn select_from_lists_that_are_wrong() {
+    let bench = Bench::new().file("list.csv", some_poses(5)).file("empty.csv", some_poses(0));
+    bench.refuses("select m.toml -o p.csv -n 9 --candidates list.csv", &["9 poses are wanted", "only 5 candidates"]);
+    bench.refuses("select m.toml -o p.csv --candidates empty.csv", &["empty.csv", "no data row"]);
+    bench.refuses("select m.toml -o p.csv --candidates missing.csv", &["missing.csv"]);
+    bench.refuses("select m.toml -o p.csv --candidates 0 --no-corners", &["--candidates 0", "nothing to choose"]);
+    bench.refuses("select m.toml -o p.csv --candidates -5", &["-5"]);
+    bench.refuses("select m.toml -o list.csv --candidates list.csv", &["list.csv", "input"]);
+    bench.refuses("select m.toml -o m.toml", &["m.toml", "input"]);
+    bench.refuses("select m.toml -o p.csv --given missing.csv", &["missing.csv"]);
+    let far = some_poses(1) + "1e9,0.0,0.0,0.0,0.0,0.0\n";
+    let bench = Bench::new().file("far.csv", far);
+    bench.refuses("select m.toml -o p.csv -n 9 --candidates far.csv", &["9 poses are wanted", "only 1 candidates"]);
+}

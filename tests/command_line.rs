@@ -301,9 +301,173 @@ fn the_readme_shows_what_the_program_prints() {
     let evaluated = print(&["evaluate", "calibrated.toml", &path("examples/data/hardpoint-targets.csv")]);
     let readme = common::text("README.md");
     let shown: Vec<&str> = readme.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-    assert_eq!(shown.len(), 2);
+    let selected = print(&["select", &table5, "-n", "20", "-o", "poses.csv"]);
+    assert_eq!(shown.len(), 3);
     assert!(calibrated.ends_with(shown[0]), "the program prints\n{calibrated}");
     assert!(evaluated.contains(shown[1]), "the program prints\n{evaluated}");
+    assert!(selected.contains(shown[2]), "the program prints\n{selected}");
+}
+
+/// Poses of a list that the program wrote, in its units, and the header.
+fn listed(folder: &Path, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = std::fs::read_to_string(folder.join(name)).unwrap();
+    let mut lines =
+        text.lines().filter(|l| !l.starts_with('#')).map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+    (lines.next().unwrap(), lines.collect())
+}
+
+#[test]
+fn select_states_the_contract_keys_and_its_list_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let found = json(folder.path(), &["select", &table5, "-o", "poses.csv", "--candidates", "300"]);
+    assert_eq!(
+        (&found["index"], &found["scaling"], &found["selector"]),
+        (&"o1".into(), &"whitened".into(), &"exchange".into())
+    );
+    let (value, bound) = (number(&found, &["value"]), number(&found, &["bound"]));
+    let efficiency = number(&found, &["efficiency"]);
+    assert!(efficiency <= 1.0 && efficiency > 0.97 && (efficiency - value / bound).abs() < 1e-12);
+    assert_eq!(found["iterations"].as_u64().unwrap() as usize, found["trace"].as_array().unwrap().len());
+    assert!(number(&found, &["candidates"]) == 1029.0 && number(&found, &["seconds"]) > 0.0);
+    let poses = found["poses"].as_array().unwrap();
+    assert_eq!(poses.len(), 20);
+    let (header, rows) = listed(folder.path(), "poses.csv");
+    assert_eq!(header.join(","), "leg1_mm,leg2_mm,leg3_mm,leg4_mm,leg5_mm,leg6_mm,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg");
+    for (pose, row) in poses.iter().zip(&rows) {
+        assert!((pose[0].as_f64().unwrap() - 1e-3 * row[6].parse::<f64>().unwrap()).abs() < 1e-12);
+        assert!((pose[5].as_f64().unwrap() - row[11].parse::<f64>().unwrap().to_radians()).abs() < 1e-12);
+    }
+    // What was chosen is simulated and calibrated, and errs as predicted.
+    json(folder.path(), &["simulate", &table5, "--poses", "poses.csv", "-o", "d.csv", "--error-sd", "0.5mm"]);
+    let calibrated = json(folder.path(), &["calibrate", &table5, "d.csv", "-o", "c.toml"]);
+    assert_eq!(calibrated["trusted"], true);
+    let (before, after) =
+        (number(&found, &["predicted", "rms", "position_m"]), number(&calibrated, &["predicted", "rms", "position_m"]));
+    assert!((before / after - 1.0).abs() < 0.1, "{before} and {after}");
+}
+
+#[test]
+fn every_bundled_mechanism_gets_feasible_poses() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["table2", "table5", "rubin-camera-hexapod", "rubin-m2-hexapod", "nategh-agheli"] {
+        let file = path(&format!("mechanisms/{name}.toml"));
+        let found = json(folder.path(), &["select", &file, "-n", "12", "-o", "p.csv", "--candidates", "200"]);
+        let machine = common::machine(name);
+        let m = machine.mechanism.as_ref();
+        let at = paracal::conditions::Conditions::unknown();
+        let w = machine.workspace.unwrap();
+        for pose in found["poses"].as_array().unwrap() {
+            let q: [f64; 6] = std::array::from_fn(|k| pose[k].as_f64().unwrap());
+            for k in 0..6 {
+                assert!((q[k] - w.centre[k]).abs() <= w.half[k] * (1.0 + 1e-12), "{name}: {q:?}");
+            }
+            let pose = machine.convention.pose(&q);
+            let joints = m.inverse(m.values(), &pose, &at).unwrap();
+            assert!(m.within_strokes(&joints), "{name}: {joints:?}");
+            let back = m.forward(m.values(), &joints, &at, &m.home()).unwrap();
+            assert!(pose.motion_to(&back).amax() < 1e-9, "{name}");
+        }
+    }
+}
+
+#[test]
+fn strokes_are_kept_and_given_poses_stay_in_front() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        common::text("mechanisms/table5.toml").replace("length = 800.0", "length = 800.0\nstroke = [700.0, 900.0]");
+    std::fs::write(folder.path().join("m.toml"), text).unwrap();
+    let first = json(folder.path(), &["select", "m.toml", "-n", "8", "-o", "first.csv", "--candidates", "200"]);
+    let (_, rows) = listed(folder.path(), "first.csv");
+    for length in rows.iter().flat_map(|r| &r[..6]) {
+        let length: f64 = length.parse().unwrap();
+        assert!((700.0..=900.0).contains(&length), "{length}");
+    }
+    let all = json(
+        folder.path(),
+        &["select", "m.toml", "-n", "14", "-o", "all.csv", "--given", "first.csv", "--candidates", "200"],
+    );
+    assert_eq!(all["given"], 8);
+    for k in 0..8 {
+        for c in 0..6 {
+            let (a, b) = (all["poses"][k][c].as_f64().unwrap(), first["poses"][k][c].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-12);
+        }
+    }
+    assert!(number(&all, &["value"]) > number(&first, &["value"]) && number(&all, &["efficiency"]) <= 1.0);
+    let (header, rows) = listed(folder.path(), "all.csv");
+    assert_eq!((header[0].as_str(), rows[0][0].as_str(), rows[8][0].as_str()), ("id", "given1", "new1"));
+}
+
+#[test]
+fn a_requirement_is_met_with_as_few_poses_as_possible() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let args = ["select", &table5, "-o", "p.csv", "--candidates", "100", "--no-polish", "--require", "0.5arcsec,2um"];
+    let found = json(folder.path(), &args);
+    let n = found["poses"].as_array().unwrap().len();
+    assert!((7..=12).contains(&n), "{n}");
+    assert!(number(&found, &["predicted", "rms", "position_m"]) <= 2e-6);
+    assert!(number(&found, &["predicted", "rms", "rotation_rad"]) <= 0.5 / 206_264.8);
+    let fewer = (n - 1).to_string();
+    let args = ["select", &table5, "-o", "p.csv", "--candidates", "100", "--no-polish", "-n", &fewer];
+    let less = json(folder.path(), &args);
+    let error = |v: &Value, what: &str| number(v, &["predicted", "rms", what]);
+    assert!(error(&less, "position_m") > 2e-6 || error(&less, "rotation_rad") > 0.5 / 206_264.8);
+}
+
+#[test]
+fn the_table_shows_seven_to_sixty_poses() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    let args = ["select", &table5, "-o", "p.csv", "--candidates", "50", "--no-polish", "--table"];
+    let found = json(folder.path(), &args);
+    let rows = found["table"].as_array().unwrap();
+    let numbers: Vec<u64> = rows.iter().map(|r| r["n"].as_u64().unwrap()).collect();
+    assert_eq!(numbers, (7..=60).collect::<Vec<u64>>());
+    assert!(rows.iter().all(|r| r["efficiency"].as_f64().unwrap() <= 1.0));
+    let error = |k: usize| number(&rows[k], &["predicted", "rms", "position_m"]);
+    assert!(error(0) > 1.5 * error(13) && error(13) > 1.2 * error(53), "{} {} {}", error(0), error(13), error(53));
+}
+
+#[test]
+fn selections_do_not_depend_on_threads_and_lists_can_be_chosen_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = path("mechanisms/table5.toml");
+    for index in ["o1", "o4", "pose-error"] {
+        let mut texts = Vec::new();
+        for threads in ["1", "2"] {
+            let args = [
+                "select",
+                &table5,
+                "-o",
+                "p.csv",
+                "--candidates",
+                "150",
+                "--index",
+                index,
+                "-n",
+                "9",
+                "--threads",
+                threads,
+            ];
+            let mut found = json(folder.path(), &args);
+            found["seconds"] = Value::Null;
+            texts.push((found, std::fs::read(folder.path().join("p.csv")).unwrap()));
+        }
+        assert!(texts[0] == texts[1], "{index}");
+    }
+    let many = ["select", &table5, "-o", "list.csv", "--selector", "random", "--candidates", "60", "-n", "50"];
+    json(folder.path(), &many);
+    let args = ["select", &table5, "-o", "p.csv", "--candidates", "list.csv", "--no-polish", "-n", "10"];
+    let found = json(folder.path(), &args);
+    assert_eq!(found["candidates"], 50);
+    let (_, list) = listed(folder.path(), "list.csv");
+    let (_, chosen) = listed(folder.path(), "p.csv");
+    let near = |a: &[String], b: &[String]| {
+        a.iter().zip(b).all(|(a, b)| (a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() < 1e-9)
+    };
+    assert!(chosen.iter().all(|c| list.iter().any(|l| near(c, l))));
 }
 
 #[test]

@@ -38,6 +38,16 @@ fn sets_from_a_random_list_have_the_certified_efficiency() {
 }
 
 #[test]
+fn efficiency_never_passes_one_however_many_poses() {
+    // More poses than corners worth measuring: polished poses must not become repetitions.
+    for (n, corners) in [(7, true), (45, true), (60, true), (60, false)] {
+        let report = chosen((100.0, 10.0), n, corners, true);
+        let efficiency = report.efficiency.unwrap();
+        assert!(efficiency > 0.6 && efficiency <= 1.0, "{n} poses: {efficiency}");
+    }
+}
+
+#[test]
 fn corners_are_worth_a_third_and_more() {
     for (box_, wanted) in BOXES.into_iter().zip([1.3, 1.6]) {
         let (list, corners) = (chosen(box_, 20, false, false), chosen(box_, 20, true, false));

@@ -147,6 +147,8 @@ pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
             "predicted": r.forecast.as_ref().map(|f| predicted(&f.error)),
         })
     };
+    // Value after each iteration; a selector without iterations has the value of its only set.
+    let trace = r.trace.get(usize::from(r.iterations > 0)..).unwrap_or(&[]);
     json!({
         "index": r.index,
         "scaling": s.scaling.name(),
@@ -155,7 +157,7 @@ pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
         "efficiency": r.efficiency.map(real),
         "selector": s.selector,
         "iterations": r.iterations,
-        "trace": r.trace.iter().map(|v| real(*v)).collect::<Vec<_>>(),
+        "trace": trace.iter().map(|v| real(*v)).collect::<Vec<_>>(),
         "poses": poses,
         "given": s.given,
         "candidates": r.candidates,

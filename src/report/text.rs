@@ -346,6 +346,7 @@ pub fn selection(s: &Selection<'_>) -> String {
     }
     let units = match s.scaling {
         Scaling::Paper => "mm and rad",
+        Scaling::Whitened if r.index == "pose-error" => "in units of the noise, smaller is better",
         Scaling::Whitened => "tolerance over noise",
     };
     text += &format!("{} = {:.6e} ({units})\n", r.index, r.value);

@@ -31,10 +31,8 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
         for k in 0..poses.len() {
             let Some(rest) = Rest::of(problem, poses, k) else { continue };
             let mut u = coordinates(problem, &poses[k]);
-            let others: Vec<[f64; 6]> = (0..poses.len())
-                .filter(|other| *other != k)
-                .map(|other| coordinates(problem, &poses[other]))
-                .collect();
+            let others: Vec<[f64; 6]> =
+                (0..poses.len()).filter(|other| *other != k).map(|other| coordinates(problem, &poses[other])).collect();
             let Some(mut best) = rest.score(problem, &poses[k]) else { continue };
             let mut step = FIRST_STEP;
             while step >= smallest {

@@ -139,9 +139,7 @@ impl Criterion<'_> {
                 if least > 0.0 { (1.0 + ROUNDING) / least } else { f64::INFINITY }
             }
             Criterion::Trace(_) if free_scale => tangent.now / d.top.sqrt() * (1.0 - ROUNDING),
-            Criterion::Trace(_) => {
-                (tangent.now - (d.top - d.within)).max(0.0).sqrt() * (1.0 - ROUNDING)
-            }
+            Criterion::Trace(_) => (tangent.now - (d.top - d.within)).max(0.0).sqrt() * (1.0 - ROUNDING),
             Criterion::Smallest => ((&tangent.phi * support.fixed()).trace() + d.top).sqrt() * (1.0 + ROUNDING),
         }
     }

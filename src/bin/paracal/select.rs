@@ -132,9 +132,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         }
         _ => anyhow!("{}: {cause}", file()),
     };
-    if let Some(cause) = why_not {
-        ui.warn(&format!("{}; the index is taken in mm and rad (--scaling paper)", short(&cause)));
-    }
     let forecaster =
         whitened.clone().ok().map(|campaign| Forecaster::new(campaign, &targets)).transpose().map_err(about)?;
     let campaign = match scaling {
@@ -143,6 +140,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     if forecaster.is_none() && (requirement.is_some() || !targets.is_empty()) {
         bail!("{}: the error of the calibrated pose is predicted from [noise] and [tolerance]; state both", file());
+    }
+    if let Some(cause) = why_not {
+        ui.warn(&format!("{}; the index is taken in mm and rad (--scaling paper)", short(&cause)));
     }
 
     let start = std::time::Instant::now();
