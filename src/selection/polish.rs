@@ -9,13 +9,15 @@ use crate::pose::Pose;
 /// First and smallest step, in half-ranges of the workspace.
 const FIRST_STEP: f64 = 0.5;
 const SMALLEST_STEP: f64 = 1.0 / 512.0;
+/// Poses nearer than this, in half-ranges, are the same: a good place, such as a corner, is taken once.
+const SAME: f64 = 0.5 * SMALLEST_STEP;
 /// Passes over all poses.
 const PASSES: usize = 12;
 /// A pass that gains less than this is the last.
 const WORTH_IT: f64 = 1e-7;
 
 /// Moves each pose along the coordinates of the workspace as long as the index gets better and the pose stays
-/// feasible (a compass search); returns the value. Never makes the index worse.
+/// feasible and no other has its place (a compass search); returns the value. Never makes the index worse.
 pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
     let workspace = &problem.campaign.workspace;
     let costly = !matches!(problem.index.fast(), FastForm::Determinant | FastForm::Trace(_));
@@ -27,6 +29,8 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
         for k in 0..poses.len() {
             let Some(rest) = Rest::of(problem, poses, k) else { continue };
             let mut u = coordinates(problem, &poses[k]);
+            let others = poses.iter().enumerate().filter(|(other, _)| *other != k);
+            let taken: Vec<[f64; 6]> = others.map(|(_, pose)| coordinates(problem, pose)).collect();
             let Some(mut best) = rest.score(problem, &poses[k]) else { continue };
             let mut step = FIRST_STEP;
             while step >= smallest {
@@ -35,7 +39,7 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
                     for sign in [1.0, -1.0] {
                         let mut next = u;
                         next[*axis] = (u[*axis] + sign * step).clamp(-1.0, 1.0);
-                        if next == u {
+                        if next == u || taken.iter().any(|other| same(other, &next)) {
                             continue;
                         }
                         let pose = problem.campaign.settled(&workspace.pose(&next));
@@ -59,6 +63,10 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
         }
     }
     value
+}
+
+fn same(a: &[f64; 6], b: &[f64; 6]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME)
 }
 
 /// A pose in half-ranges of the workspace.
