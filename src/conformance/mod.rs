@@ -1,6 +1,7 @@
-//! Test suites for implementations of `Mechanism` and `Identifier` (feature `conformance`).
+//! Test suites for implementations of `Mechanism`, `Identifier`, `ObservabilityIndex` and `PoseSelector` (feature
+//! `conformance`).
 //!
-//! A mechanism or an identifier that was written elsewhere is checked with one call in one test:
+//! What was written elsewhere is checked with one call in one test:
 //!
 //! ```no_run
 //! # fn check(mechanism: &dyn paracal::mechanism::Mechanism, workspace: &paracal::mechanism::Workspace) {
@@ -8,14 +9,26 @@
 //! # }
 //! ```
 //!
-//! The laws are those that the rest of the library relies on; a violation names the law, the parameter or joint
-//! by its name, the pose, and both numbers. Poses are drawn with a fixed seed, so that a failure repeats.
+//! | suite | checks |
+//! |---|---|
+//! | [`mechanism()`] | derivatives against differences, kinematics there and back, refusals |
+//! | [`identifier()`] | exact data, order of samples, covariance against Monte Carlo, refusals |
+//! | [`index()`] | finite values, goal, directions, and that the fast form chooses as brute force does |
+//! | [`selector()`] | number and feasibility of poses, repeatability on any threads, trace, unusual problems |
+//!
+//! The laws are those that the rest of the library relies on; a violation names the law, the parameter, joint or pose
+//! that breaks it, and both numbers. Everything is drawn with a fixed seed, so that a failure repeats.
 
+mod blocks;
 mod identifier;
+mod index;
 mod mechanism;
+mod selector;
 
 pub use identifier::identifier;
+pub use index::index;
 pub use mechanism::mechanism;
+pub use selector::selector;
 
 use thiserror::Error;
 

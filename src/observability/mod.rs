@@ -81,16 +81,17 @@ pub trait ObservabilityIndex: Debug + Send + Sync {
     }
 }
 
-/// What an index is a monotone function of, for a given number of poses.
+/// What an index is a monotone function of, for a given number of poses. Better means larger or smaller as the goal of
+/// the index says.
 #[derive(Clone, Copy, Debug)]
 pub enum FastForm<'a> {
-    /// Grows with `det JᵀJ`.
+    /// The better, the larger `det JᵀJ` is.
     Determinant,
-    /// Grows with a ratio of powers of the smallest and the largest singular value.
+    /// The better, the larger a ratio of powers of the smallest and the largest singular value is.
     Extremes(Extremes),
-    /// Falls with `Σ 1/σᵢ`.
+    /// The better, the smaller `Σ 1/σᵢ` is.
     HarmonicSum,
-    /// Falls with `tr(G (JᵀJ)⁻¹)` for this `G`.
+    /// The better, the smaller `tr(G (JᵀJ)⁻¹)` is for this `G`.
     Trace(&'a DMatrix<f64>),
     /// None of these.
     None,

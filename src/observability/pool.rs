@@ -46,7 +46,7 @@ pub struct Pool {
 
 #[derive(Clone, Debug)]
 pub(super) enum Stored {
-    Legs(Legs, Groups),
+    Legs(Legs),
     Dense(Dense),
 }
 
@@ -106,9 +106,9 @@ impl Pool {
         let batches = len.div_ceil(LANES);
         let mut data = vec![[0.0; LANES]; batches * Legs::ROWS];
         let fits = data.par_chunks_exact_mut(Legs::ROWS).enumerate().try_for_each(|(batch, rows)| {
-            for lane in 0..LANES {
-                // The last batch is filled up with its last candidate; masks keep the copies out.
-                let block = block((batch * LANES + lane).min(len - 1));
+            // The last batch is filled up with its last candidate; masks keep the copies out.
+            for (lane, k) in (batch * LANES..).take(LANES).enumerate() {
+                let block = block(k.min(len - 1));
                 let scales = row_scales(&block.noise)?;
                 for (leg, columns) in groups.iter().enumerate() {
                     let own: usize = columns.iter().filter(|c| block.derivatives[(leg, **c)] != 0.0).count();
@@ -130,7 +130,7 @@ impl Pool {
             Some(())
         });
         fits?;
-        Some(Self { len, layout: Stored::Legs(Legs { data }, groups), visible, basis, inverse })
+        Some(Self { len, layout: Stored::Legs(Legs { data }), visible, basis, inverse })
     }
 
     fn of_rows(
@@ -213,7 +213,7 @@ impl Pool {
         let open = vec![[1.0; LANES]; batches];
         let mut out = vec![[0.0; LANES]; batches];
         match &self.layout {
-            Stored::Legs(legs, _) => gradient(legs, phi, &open, &mut out),
+            Stored::Legs(legs) => gradient(legs, phi, &open, &mut out),
             Stored::Dense(dense) => gradient(dense, phi, &open, &mut out),
         }
         out.into_iter().flatten().take(self.len).collect()
@@ -223,7 +223,7 @@ impl Pool {
     pub(crate) fn stored(&self, k: usize) -> DMatrix<f64> {
         let (batch, lane) = (k / LANES, k % LANES);
         match &self.layout {
-            Stored::Legs(legs, _) => {
+            Stored::Legs(legs) => {
                 let rows = &legs.data[batch * Legs::ROWS..(batch + 1) * Legs::ROWS];
                 let mut u = DMatrix::zeros(6, SLOTS);
                 let mut p = Matrix6::zeros();
@@ -262,7 +262,7 @@ impl Pool {
             }
         }
         match &self.layout {
-            Stored::Legs(_, groups) => Stored::Legs(Legs { data }, *groups),
+            Stored::Legs(_) => Stored::Legs(Legs { data }),
             Stored::Dense(dense) => Stored::Dense(Dense { data, parameters: dense.parameters }),
         }
     }
@@ -276,7 +276,7 @@ impl Pool {
 
     fn lanes(&self) -> &[Lanes] {
         match &self.layout {
-            Stored::Legs(legs, _) => &legs.data,
+            Stored::Legs(legs) => &legs.data,
             Stored::Dense(dense) => &dense.data,
         }
     }

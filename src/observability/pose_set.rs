@@ -145,7 +145,8 @@ impl<'a> PoseSet<'a> {
     pub fn quick_value(&mut self) -> f64 {
         self.refresh();
         match (&self.state, self.index.fast()) {
-            (State::Determinant { information, .. }, _) if self.index.goal() == Goal::Largest => {
+            // With a ridge the factors are those of another set.
+            (State::Determinant { information, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
                 let Some(factor) = Cholesky::new(information.clone()) else { return self.value() };
                 let stored: f64 = factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum();
                 let mean = (stored + self.log_volume) / information.nrows() as f64;
@@ -168,7 +169,7 @@ impl<'a> PoseSet<'a> {
         let mut scores = std::mem::take(&mut self.scores);
         match (&self.pool.layout, self.exact_scores_only()) {
             (_, true) => self.slow_additions(&mut scores),
-            (Stored::Legs(legs, _), _) => self.scan(legs, 1.0, &self.open, &mut scores),
+            (Stored::Legs(legs), _) => self.scan(legs, 1.0, &self.open, &mut scores),
             (Stored::Dense(dense), _) => self.scan(dense, 1.0, &self.open, &mut scores),
         }
         self.scores = scores;
@@ -196,7 +197,7 @@ impl<'a> PoseSet<'a> {
             return best_of((0..n).map(|p| self.exact_without(p)), |_| true);
         }
         match self.pool.gather(&self.members) {
-            Stored::Legs(legs, _) => self.scan(&legs, -1.0, &all, &mut scores),
+            Stored::Legs(legs) => self.scan(&legs, -1.0, &all, &mut scores),
             Stored::Dense(dense) => self.scan(&dense, -1.0, &all, &mut scores),
         }
         let mut flat: Vec<f64> = scores.into_iter().flatten().take(n).collect();

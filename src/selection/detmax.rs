@@ -30,7 +30,7 @@ impl PoseSelector for Detmax {
     fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
         let mut rng = ChaCha8Rng::seed_from_u64(problem.seed);
         let mut set = problem.set(&problem.start(&mut rng)?);
-        let mut trace = Vec::new();
+        let mut trace = vec![set.quick_value()];
         for done in 0..self.iterations {
             (problem.watch)(Step { done, total: self.iterations });
             let Some(added) = set.best_addition() else { break };
@@ -42,7 +42,7 @@ impl PoseSelector for Detmax {
                 break;
             }
         }
-        Ok(Choice { poses: problem.poses(set.members()), iterations: trace.len(), trace })
+        Ok(Choice { poses: problem.poses(set.members()), iterations: trace.len() - 1, trace })
     }
 }
 
@@ -76,7 +76,8 @@ impl PoseSelector for TabuDetmax {
         let mut tabu: VecDeque<usize> = sample(&mut rng, others.len(), length).iter().map(|k| others[k]).collect();
         tabu.iter().for_each(|k| set.close(*k));
         let mut best = (set.quick_value(), start);
-        let mut trace = Vec::with_capacity(self.iterations);
+        let mut trace = Vec::with_capacity(self.iterations + 1);
+        trace.push(best.0);
         for done in 0..self.iterations {
             (problem.watch)(Step { done, total: self.iterations });
             let Some(added) = set.best_addition() else { break };
@@ -96,6 +97,6 @@ impl PoseSelector for TabuDetmax {
                 best = (value, set.members().to_vec());
             }
         }
-        Ok(Choice { poses: problem.poses(&best.1), iterations: trace.len(), trace })
+        Ok(Choice { poses: problem.poses(&best.1), iterations: trace.len() - 1, trace })
     }
 }

@@ -92,7 +92,7 @@ impl PoseSelector for Exchange {
             let value = polish(problem, &mut poses);
             trace.push(value);
         }
-        Ok(Choice { poses, iterations: trace.len(), trace })
+        Ok(Choice { poses, iterations: trace.len() - 1, trace })
     }
 }
 

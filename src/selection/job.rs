@@ -50,7 +50,7 @@ pub struct Report {
     pub efficiency: Option<f64>,
     /// Iterations of the selector.
     pub iterations: usize,
-    /// Value after each.
+    /// Value for the first set, then after each of them.
     pub trace: Vec<f64>,
     /// Number of candidates.
     pub candidates: usize,
@@ -91,14 +91,11 @@ pub fn select_among(
     let visible = candidates.pool.visible();
     let given = given_rows(plan, visible)?;
     let index = index_for(plan, candidates, &given, n);
-    let index = index.as_deref().map_or_else(
-        || match plan.aim {
-            Aim::Index(index) => index,
-            // `index_for` makes one in this case.
-            Aim::PoseError => &crate::observability::O1,
-        },
-        |index| index,
-    );
+    let index = index.as_deref().unwrap_or(match plan.aim {
+        Aim::Index(index) => index,
+        // `index_for` makes one in this case.
+        Aim::PoseError => &crate::observability::O1,
+    });
     let directions = visible.ncols();
     if 6 * n < directions && !index.prior() {
         return Err(SelectionError::TooFewPoses {

@@ -45,7 +45,7 @@ pub struct Choice {
     pub poses: Vec<Pose>,
     /// Iterations it took, in the selector's own count.
     pub iterations: usize,
-    /// Value of the index after each of them.
+    /// Value of the index for the first set, then after each of them: one number more than `iterations`.
     pub trace: Vec<f64>,
 }
 

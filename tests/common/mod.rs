@@ -1,6 +1,8 @@
 //! What the integration tests share: the bundled case and small helpers.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
+pub mod planar;
+
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::{Dataset, Noise};
 use paracal::mechanism::{Mechanism, Workspace};
