@@ -38,7 +38,7 @@ pub struct Pool {
     /// Orthonormal basis (L × L') of the directions that the candidates see.
     visible: DMatrix<f64>,
     /// `W` (L' × L'): a row is its stored coordinates times `W`. Stored columns have about unit length and little
-    /// correlation, which keeps the scans accurate although `JᵀJ` has condition numbers up to 1e14.
+    /// correlation, which keeps the scans accurate although `JᵀJ` is hardly invertible in small workspaces.
     pub(super) basis: DMatrix<f64>,
     /// `W⁻¹`.
     pub(super) inverse: DMatrix<f64>,
