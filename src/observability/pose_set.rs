@@ -174,8 +174,7 @@ impl<'a> PoseSet<'a> {
         }
         self.scores = scores;
         self.sharpen();
-        let open = |k: &usize| self.is_open(*k);
-        best_of(self.scores.iter().flatten().copied().take(self.pool.len()), open)
+        best_open(&self.scores, &self.open)
     }
 
     /// Score of a candidate in the last scan of additions.
@@ -194,7 +193,7 @@ impl<'a> PoseSet<'a> {
         let all = vec![[1.0; LANES]; scores.len()];
         let tight = 6 * (n - 1) + self.fixed.nrows() < self.pool.directions() + 12;
         if self.exact_scores_only() || (tight && !matches!(self.state, State::Determinant { .. })) {
-            return best_of((0..n).map(|p| self.exact_without(p)), |_| true);
+            return best_of((0..n).map(|p| self.exact_without(p)));
         }
         match self.pool.gather(&self.members) {
             Stored::Legs(legs) => self.scan(&legs, -1.0, &all, &mut scores),
@@ -202,7 +201,7 @@ impl<'a> PoseSet<'a> {
         }
         let mut flat: Vec<f64> = scores.into_iter().flatten().take(n).collect();
         if matches!(self.index.fast(), FastForm::HarmonicSum)
-            && let Some(best) = best_of(flat.iter().copied(), |_| true)
+            && let Some(best) = best_of(flat.iter().copied())
         {
             // Scores are minus the change: those within the error of the quadrature are computed exactly.
             let margin = QUADRATURE * best.score.abs();
@@ -212,7 +211,7 @@ impl<'a> PoseSet<'a> {
                 close.into_iter().for_each(|p| flat[p] = self.exact_without(p));
             }
         }
-        best_of(flat, |_| true)
+        best_of(flat)
     }
 
     /// Adds a candidate.
@@ -345,11 +344,7 @@ impl<'a> PoseSet<'a> {
         }
         let State::Spectral { spectrum, .. } = &self.state else { return };
         let now: f64 = spectrum.values.iter().map(|v| 1.0 / v).sum();
-        let Some(best) =
-            best_of(self.scores.iter().flatten().copied().take(self.pool.len()), |k: &usize| self.is_open(*k))
-        else {
-            return;
-        };
+        let Some(best) = best_open(&self.scores, &self.open) else { return };
         let limit = best.score * (1.0 - QUADRATURE);
         let close: Vec<usize> = (0..self.pool.len()).filter(|k| self.is_open(*k) && self.score(*k) >= limit).collect();
         for k in close {
@@ -422,12 +417,23 @@ fn negate(scores: &mut [Lanes]) {
 }
 
 /// The largest score; of ties the smallest index.
-fn best_of(scores: impl IntoIterator<Item = f64>, open: impl Fn(&usize) -> bool) -> Option<Best> {
+fn best_of(scores: impl IntoIterator<Item = f64>) -> Option<Best> {
+    scores.into_iter().enumerate().fold(None, better_of)
+}
+
+/// The same among open candidates, batch by batch: most hold nothing above the best of those before.
+fn best_open(scores: &[Lanes], open: &[Lanes]) -> Option<Best> {
     let mut best: Option<Best> = None;
-    for (which, score) in scores.into_iter().enumerate().filter(|(k, _)| open(k)) {
-        if best.is_none_or(|b| score > b.score + TIE * b.score.abs()) && !score.is_nan() {
-            best = Some(Best { which, score });
+    for (batch, (scores, open)) in scores.iter().zip(open).enumerate() {
+        if best.is_none_or(|best| scores.iter().fold(false, |any, score| any | (*score > best.score))) {
+            let lanes = (0..LANES).filter(|lane| open[*lane] != 0.0);
+            best = lanes.map(|lane| (batch * LANES + lane, scores[lane])).fold(best, better_of);
         }
     }
     best
+}
+
+fn better_of(best: Option<Best>, (which, score): (usize, f64)) -> Option<Best> {
+    let better = best.is_none_or(|b| score > b.score + TIE * b.score.abs()) && !score.is_nan();
+    if better { Some(Best { which, score }) } else { best }
 }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use pulp::Simd;
 
-use super::lanes::{Lanes, determinant_of, factor, load, store, trace_of_quotient, vectors};
+use super::lanes::{Lanes, determinant_of, factor, half_of, load, store, trace_of_quotient, vectors};
 use super::{Layout, Scan, run};
 
 struct Determinant {
@@ -62,7 +62,7 @@ impl<L: Layout> Scan<L> for Gradient {
                 let vector = 2 * pair + half;
                 let mut p = layout.noise(simd, batch, vector);
                 factor(simd, &mut p);
-                let trace = trace_of_quotient(simd, &p, &s.map(|two| two[half]));
+                let trace = trace_of_quotient(simd, &p, &half_of(simd, &s, half));
                 store::<S>(out, vector, simd.mul_f64s(trace, load::<S>(open, vector)));
             }
         }

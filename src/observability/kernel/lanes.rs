@@ -36,6 +36,16 @@ pub(super) fn load_two<S: Simd>(row: &Lanes, vector: usize) -> Two<S> {
     [all[vector], all[vector + 1]]
 }
 
+/// One of the two vectors of every entry. Not `map`: a closure is compiled for the least machine and called.
+#[inline(always)]
+pub(super) fn half_of<S: Simd>(simd: S, both: &Sym<Two<S>>, half: usize) -> Sym<S::f64s> {
+    let mut out = [simd.splat_f64s(0.0); 21];
+    for (out, both) in out.iter_mut().zip(both) {
+        *out = both[half];
+    }
+    out
+}
+
 #[inline(always)]
 pub(super) fn store<S: Simd>(row: &mut Lanes, vector: usize, value: S::f64s) {
     S::as_mut_simd_f64s(row).0[vector] = value;

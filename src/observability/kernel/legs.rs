@@ -81,7 +81,11 @@ impl Layout for Legs {
         let mut out = [[zero; 2]; 21];
         let mut blocks = packed.as_chunks::<BLOCK>().0.iter();
         for j in 0..LEGS {
-            let uj: [Two<S>; PER_LEG] = std::array::from_fn(|q| load_two::<S>(&batch[first(j) + q], vector));
+            // Not `array::from_fn`: a closure is compiled for the least machine and called.
+            let mut uj = [[zero; 2]; PER_LEG];
+            for (u, row) in uj.iter_mut().zip(block_rows(batch, j)) {
+                *u = load_two::<S>(row, vector);
+            }
             for i in 0..j {
                 let Some(block) = blocks.next() else { return out };
                 let rows: &[Lanes; PER_LEG] = block_rows(batch, i);

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use pulp::Simd;
 
-use super::lanes::{Lanes, factor, load, store, trace_of_quotient, vectors};
+use super::lanes::{Lanes, factor, half_of, load, store, trace_of_quotient, vectors};
 use super::{Layout, Scan, run};
 
 struct Trace {
@@ -30,7 +30,7 @@ impl<L: Layout> Scan<L> for Trace {
                     *c = simd.mul_add_e_f64s(sign, s[half], *c);
                 }
                 factor(simd, &mut c);
-                let change = trace_of_quotient(simd, &c, &t.map(|two| two[half]));
+                let change = trace_of_quotient(simd, &c, &half_of(simd, &t, half));
                 store::<S>(out, vector, simd.mul_f64s(change, load::<S>(open, vector)));
             }
         }
