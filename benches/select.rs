@@ -293,10 +293,10 @@ fn bound(candidates: &Candidates) -> Result<(), Box<dyn Error>> {
     let pool = &candidates.pool;
     let nothing = DMatrix::zeros(0, pool.directions());
     let found = relax(pool, &O1, &nothing, 0, POSES).ok_or("no bound")?;
-    // The index of the weights themselves, which no bound can be below.
-    let mut rows = DMatrix::zeros(6 * found.weights.len(), pool.directions());
-    for (slot, (k, weight)) in found.weights.iter().enumerate() {
-        rows.rows_mut(6 * slot, 6).copy_from(&(pool.rows(*k) * (POSES as f64 * weight).sqrt()));
+    // The index of the shares themselves, which no bound can be below.
+    let mut rows = DMatrix::zeros(6 * found.shares.len(), pool.directions());
+    for (slot, (k, share)) in found.shares.iter().enumerate() {
+        rows.rows_mut(6 * slot, 6).copy_from(&(pool.rows(*k) * share.sqrt()));
     }
     let gap = found.bound / O1.value(&Spectrum::of(&rows, POSES, false)) - 1.0;
     let members: Vec<usize> = (0..POSES).collect();
@@ -310,7 +310,7 @@ fn bound(candidates: &Candidates) -> Result<(), Box<dyn Error>> {
     let scans = times.ratio(0, 1) * (100 * SCANS) as f64;
     let milli = 1e3 * times.shortest(0);
     report(&format!("bound on O1 ({milli:.0} ms), over a scan"), scans, &Bar::AtMost(ALLOWED_SCANS));
-    report("bound on O1 above the index of its weights, millionths", 1e6 * gap, &Bar::AtMost(1e6 * ALLOWED_GAP));
+    report("bound on O1 above the index of its shares, millionths", 1e6 * gap, &Bar::AtMost(1e6 * ALLOWED_GAP));
     Ok(())
 }
 

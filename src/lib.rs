@@ -24,9 +24,9 @@
 //! | `J₁`, `J₂` | its derivatives, eqs. (19), (21) | [`mechanism::Linearization`] |
 //! | `J_b = -J₁⁻¹ J₂` | motion per parameter, eq. (23) with the sign of eq. (17) | [`mechanism::MotionBlock`] |
 //! | `J_B`, `dq_B` | stacked over the poses, eqs. (27)–(29) | [`identification::CalibrationProblem`] |
-| `σ₁ … σ_L` | singular values of the scaled `J_B` | [`observability::Spectrum`] |
-| `O₁ … O₅` | observability indices, eqs. (34)–(38) | [`observability::O1`] … [`observability::O5`] |
-| `Ω`, `ζ_n`, `η_m` | candidates, chosen set, tabu list (section 3.2) | [`selection::Candidates`], [`observability::PoseSet`], [`selection::TabuDetmax`] |
+//! | `σ₁ … σ_L` | singular values of the scaled `J_B` | [`observability::Spectrum`] |
+//! | `O₁ … O₅` | observability indices, eqs. (34)–(38) | [`observability::O1`] … [`observability::O5`] |
+//! | `Ω`, `ζ_n`, `η_m` | candidates, chosen set, tabu list (section 3.2) | [`selection::Candidates`], [`observability::PoseSet`], [`selection::TabuDetmax`] |
 //! | `n`, `L` | number of poses, of parameters | |
 //!
 //! Inside, numbers are SI: metres and radians. Derivatives are along a small motion `(δt, δω)` of the platform
@@ -41,8 +41,8 @@
 //! | [`mechanism`] | the trait [`mechanism::Mechanism`], its kinematics, [`mechanism::SixHardpoint`] |
 //! | [`measurement`] | samples, readings, noise; the trait [`measurement::MeasurementModel`] |
 //! | [`observability`] | the trait [`observability::ObservabilityIndex`], O1–O5, the predicted pose error, fast scans |
-| [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
-| [`selection`] | the trait [`selection::PoseSelector`], candidates, the certified bound |
+//! | [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
+//! | [`selection`] | the trait [`selection::PoseSelector`], candidates, the certified bound |
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo |
 //! | [`files`] | mechanism files (TOML), measurements and pose lists (CSV) |
 //! | [`report`] | results as text and JSON |

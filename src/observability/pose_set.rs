@@ -434,6 +434,7 @@ fn best_open(scores: &[Lanes], open: &[Lanes]) -> Option<Best> {
 }
 
 fn better_of(best: Option<Best>, (which, score): (usize, f64)) -> Option<Best> {
-    let better = best.is_none_or(|b| score > b.score + TIE * b.score.abs()) && !score.is_nan();
+    let slack = |b: Best| if b.score.is_finite() { TIE * b.score.abs() } else { 0.0 };
+    let better = best.is_none_or(|b| score > b.score + slack(b)) && !score.is_nan();
     if better { Some(Best { which, score }) } else { best }
 }
