@@ -255,3 +255,21 @@ fn wrong_selectors_are_caught_and_the_law_is_named() {
     }
     assert_eq!(law_of_selector(&Modest), "too few candidates are refused");
 }
+
+#[test]
+fn dependent_coordinates_are_solved_from_the_structural_rows() {
+    let mechanism = Planar::new(false);
+    let mut space = planar::workspace();
+    // The mechanism holds z and the two tilts at zero whatever the file says about its centre.
+    (space.centre[2], space.centre[3], space.centre[4]) = (0.1, 0.05, -0.03);
+    assert_eq!([space.half[2], space.half[3], space.half[4]], [0.0; 3]);
+    let campaign = Campaign::new(&mechanism, &space, None, Scaling::Paper).unwrap();
+    let sources = Sources { random: 30, corners_and_grid: true, ..Sources::default() };
+    let candidates = Candidates::collect(&campaign, &sources).unwrap();
+    assert_eq!(candidates.len(), 30 + 27);
+    for pose in &candidates.poses {
+        let q = space.convention.coordinates(pose);
+        assert!([q[2], q[3], q[4]].iter().all(|v| v.abs() < 1e-12), "{q:?}");
+        assert!([0, 1, 5].iter().all(|k| (q[*k] - space.centre[*k]).abs() <= space.half[*k] + 1e-12), "{q:?}");
+    }
+}

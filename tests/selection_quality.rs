@@ -40,10 +40,11 @@ fn sets_from_a_random_list_have_the_certified_efficiency() {
 #[test]
 fn efficiency_never_passes_one_however_many_poses() {
     // More poses than corners worth measuring: polished poses must not become repetitions.
-    for (n, corners) in [(7, true), (45, true), (60, true), (60, false)] {
+    for (n, corners, least) in [(45, true, 0.95), (60, true, 0.95), (60, false, 0.95), (7, true, 0.05)] {
         let report = chosen((100.0, 10.0), n, corners, true);
         let efficiency = report.efficiency.unwrap();
-        assert!(efficiency > 0.6 && efficiency <= 1.0, "{n} poses: {efficiency}");
+        // Seven whole poses have as many rows as parameters; the bound, which may take parts of poses, is far off.
+        assert!(efficiency > least && efficiency <= 1.0, "{n} poses: {efficiency}");
     }
 }
 
