@@ -21,6 +21,7 @@
 
 mod dense;
 mod determinant;
+mod eigenvalues;
 mod extremes;
 mod harmonic;
 mod lanes;

@@ -1,0 +1,107 @@
+//! What is known of the present members of a set, and how it is kept up to date.
+
+use nalgebra::{Cholesky, DMatrix};
+
+use super::PoseSet;
+use crate::observability::{FastForm, Spectrum};
+
+/// Rank-six updates of an inverse until it is computed afresh; its error is then about 1e-10.
+const REFRESH: usize = 64;
+/// A removal whose smallest pivot is below this makes the updated inverse inaccurate.
+const SMALL_PIVOT: f64 = 1e-6;
+/// Ridge of a set that does not determine everything, in parts of the mean eigenvalue.
+const RIDGE: f64 = 1e-6;
+/// Tenfold larger ridges that are tried.
+const RIDGES: usize = 40;
+/// Ratio of pivots from which on a set determines nothing.
+pub(super) const SINGULAR: f64 = 1e-14;
+
+/// What is known of the present members.
+pub(super) enum State {
+    Stale,
+    Determinant { information: DMatrix<f64>, inverse: DMatrix<f64>, ridged: bool, updates: usize },
+    Trace { inverse: DMatrix<f64>, middle: DMatrix<f64> },
+    Spectral { spectrum: Spectrum, lambda: Vec<f64>, rotation: DMatrix<f64> },
+}
+
+impl PoseSet<'_> {
+    /// Brings the state up to date.
+    pub(super) fn refresh(&mut self) {
+        if let State::Determinant { updates, ridged, .. } = &self.state
+            && (*updates >= REFRESH || *ridged)
+        {
+            self.state = State::Stale;
+        }
+        if !matches!(self.state, State::Stale) {
+            return;
+        }
+        self.state = match self.index.fast() {
+            FastForm::Determinant => {
+                let (information, inverse, ridged) = self.information();
+                State::Determinant { information, inverse, ridged, updates: 0 }
+            }
+            FastForm::Trace(gain) => {
+                let (_, inverse, _) = self.information();
+                let onto = &self.pool.inverse * &inverse;
+                let middle = onto.transpose() * gain * onto;
+                State::Trace { inverse, middle }
+            }
+            FastForm::Extremes(_) | FastForm::HarmonicSum | FastForm::None => {
+                let spectrum = Spectrum::of(&self.rows(), self.poses(), true);
+                let largest = spectrum.values.first().copied().unwrap_or(0.0);
+                let floor = (1e-15 * largest).powi(2);
+                let lambda: Vec<f64> = spectrum.values.iter().map(|s| s * s + floor).collect();
+                let rotation = &self.pool.basis * &spectrum.directions;
+                State::Spectral { spectrum, lambda, rotation }
+            }
+        };
+    }
+
+    /// `M` in stored coordinates, its inverse, and whether a ridge was needed.
+    fn information(&self) -> (DMatrix<f64>, DMatrix<f64>, bool) {
+        let rows = self.stacked(|k| self.pool.stored(k), &self.fixed_stored(), None);
+        let mut m = rows.transpose() * &rows;
+        let n = m.nrows();
+        let regular = |m: &DMatrix<f64>| {
+            let factor = Cholesky::new(m.clone())?;
+            let pivots = factor.l_dirty().diagonal();
+            (pivots.min() > SINGULAR.sqrt() * pivots.max()).then(|| factor.inverse())
+        };
+        if let Some(inverse) = regular(&m) {
+            return (m, inverse, false);
+        }
+        let mut ridge = (RIDGE * m.trace() / n as f64).max(f64::MIN_POSITIVE.sqrt());
+        for _ in 0..RIDGES {
+            for k in 0..n {
+                m[(k, k)] += ridge;
+            }
+            if let Some(inverse) = regular(&m) {
+                return (m, inverse, true);
+            }
+            ridge *= 10.0;
+        }
+        // Rows so large that their squares overflow: nothing can be ranked.
+        (m, DMatrix::identity(n, n), true)
+    }
+
+    /// Carries the state over to one candidate more or less, where that is cheaper than computing it afresh.
+    pub(super) fn update(&mut self, candidate: usize, sign: f64) {
+        let State::Determinant { information, inverse, ridged: false, updates } = &mut self.state else {
+            self.state = State::Stale;
+            return;
+        };
+        let rows = self.pool.stored(candidate);
+        information.gemm(sign, &rows.transpose(), &rows, 1.0);
+        let across = &*inverse * rows.transpose();
+        let middle = DMatrix::identity(6, 6) + &rows * &across * sign;
+        let factor = Cholesky::new(middle).filter(|c| c.l_dirty().diagonal().min() > SMALL_PIVOT.sqrt());
+        match factor {
+            Some(factor) => {
+                let solved = factor.solve(&across.transpose());
+                inverse.gemm(-sign, &across, &solved, 1.0);
+                *updates += 1;
+            }
+            None => self.state = State::Stale,
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What `inspect` prints.
+
+use nalgebra::Vector3;
+
+use super::{SHOWN, table};
+use crate::identification::WeakDirection;
+use crate::mechanism::{Mechanism, Survey};
+use crate::pose::PoseConvention;
+use crate::selection::Prospect;
+use crate::units::{fixed, show_angle, show_length, three_digits};
+
+/// What `inspect` found.
+pub struct Inspection<'a> {
+    /// The mechanism.
+    pub mechanism: &'a dyn Mechanism,
+    /// How its poses are written.
+    pub convention: &'a PoseConvention,
+    /// Platform points by leg, platform frame, m.
+    pub platform: Vec<(usize, Vector3<f64>)>,
+    /// Base points by leg, base frame, m.
+    pub base: Vec<(usize, Vector3<f64>)>,
+    /// Lengths of the legs as the file states them, m.
+    pub lengths: Vec<f64>,
+    /// Joints at home.
+    pub home_joints: Vec<f64>,
+    /// Mean radius of the platform points, m.
+    pub radius: f64,
+    /// Condition of `J₁` at home.
+    pub home_condition: f64,
+    /// Extremes over the workspace.
+    pub survey: Option<Survey>,
+    /// What 20 poses could tell.
+    pub prospect: Option<Prospect>,
+    /// Directions that they would not decide.
+    pub weak: Vec<WeakDirection>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// What `inspect` prints.
+pub fn inspection(i: &Inspection<'_>) -> String {
+    let mm = |v: f64| fixed(1e3 * v, 3);
+    let point = |points: &[(usize, Vector3<f64>)], k: usize| {
+        points
+            .iter()
+            .find(|(leg, _)| *leg == k)
+            .map_or_else(|| "-".into(), |(_, p)| format!("{} {} {}", mm(p.x), mm(p.y), mm(p.z)))
+    };
+    let mut header = vec!["joint", "platform point", "base point", "home"];
+    if i.survey.is_some() {
+        header.push("over the workspace");
+    }
+    let row = |(k, joint): (usize, &crate::mechanism::JointSpec)| {
+        let mut cells = vec![joint.name.clone(), point(&i.platform, k), point(&i.base, k), mm(i.home_joints[k])];
+        cells.extend(i.survey.as_ref().map(|s| format!("{} {}", mm(s.joint_range[k][0]), mm(s.joint_range[k][1]))));
+        cells
+    };
+    let rows: Vec<Vec<String>> = i.mechanism.joints().iter().enumerate().map(row).collect();
+    let mut text = format!(
+        "{}: {} parameters\n\nmm\n{}",
+        i.mechanism.name(),
+        i.mechanism.parameters().len(),
+        table(&header, &rows)
+    );
+    let q = i.convention.coordinates(&i.mechanism.home());
+    text += &format!(
+        "\nHome: x {} y {} z {} mm, rx {} ry {} rz {} deg\n",
+        mm(q[0]),
+        mm(q[1]),
+        mm(q[2]),
+        fixed(q[3].to_degrees(), 5),
+        fixed(q[4].to_degrees(), 5),
+        fixed(q[5].to_degrees(), 5)
+    );
+    text += &format!(
+        "Condition of the mechanism (angles times the radius, {}): {:.2} at home",
+        show_length(i.radius),
+        i.home_condition
+    );
+    text += &i
+        .survey
+        .as_ref()
+        .map_or_else(|| "\n".into(), |s| format!(", at most {:.2} over the workspace\n", s.worst_condition));
+    if let Some(p) = &i.prospect {
+        text += &prospect(i.mechanism, p, &i.weak);
+    }
+    for w in &i.warnings {
+        text += &format!("\nNote: {w}.");
+    }
+    text.trim_end().to_owned()
+}
+
+fn prospect(mechanism: &dyn Mechanism, p: &Prospect, weak: &[WeakDirection]) -> String {
+    let f = &p.forecast;
+    let variance = |(k, scale): (usize, &f64)| f.covariance[(k, k)] * scale * scale;
+    let total = mechanism.parameters().len();
+    let rms = (p.scale.iter().enumerate().map(variance).sum::<f64>() / total as f64).sqrt();
+    let mut text = format!("\nWhat {} well chosen poses of the workspace could tell:\n", p.poses.len());
+    text += &format!("  {} of {total} parameter directions", total - weak.len());
+    text += &format!(
+        ", parameters to {} (RMS sigma{})\n",
+        show_length(rms),
+        if f.prior { ", tolerances as prior" } else { "" }
+    );
+    let e = &f.error;
+    text +=
+        &format!("  poses in the workspace to {} and {}\n", show_length(e.position_rms), show_angle(e.rotation_rms));
+    for w in weak.iter().take(SHOWN) {
+        text += &format!("  not decided ({}): {}\n", three_digits(w.sigma), w.text);
+    }
+    if weak.len() > SHOWN {
+        text += &format!("  and {} more\n", weak.len() - SHOWN);
+    }
+    text
+}
