@@ -106,7 +106,7 @@ impl Exchange {
         {
             sets.extend(rounded(problem, found.shares));
         }
-        if matches!(problem.index.fast(), FastForm::Extremes(_)) {
+        if matches!(problem.index.fast(), FastForm::Extremes(_) | FastForm::HarmonicSum) {
             let smoother: [&dyn ObservabilityIndex; 2] = [&O1, &O5];
             for index in smoother {
                 let other = Problem { index, ..*problem };

@@ -39,14 +39,15 @@ impl PoseSet<'_> {
         if !matches!(self.index.fast(), FastForm::HarmonicSum) {
             return;
         }
-        let State::Spectral { spectrum, .. } = &self.state else { return };
-        let now: f64 = spectrum.values.iter().map(|v| 1.0 / v).sum();
         let Some(best) = best_open(&self.scores, &self.open) else { return };
         let limit = best.score * (1.0 - QUADRATURE);
         let close: Vec<usize> = (0..self.pool.len()).filter(|k| self.is_open(*k) && self.score(*k) >= limit).collect();
-        for k in close {
-            let exact = now - self.spectrum_with(k).values.iter().map(|v| 1.0 / v).sum::<f64>();
-            self.scores[k / LANES][k % LANES] = exact;
+        let exact: Vec<f64> =
+            close.iter().map(|k| -self.spectrum_with(*k).values.iter().map(|v| 1.0 / v).sum::<f64>()).collect();
+        // From here on scores are minus the sums themselves: their differences would drown in that of a singular set.
+        self.scores.iter_mut().flatten().for_each(|score| *score = f64::NEG_INFINITY);
+        for (k, score) in close.into_iter().zip(exact) {
+            self.scores[k / LANES][k % LANES] = score;
         }
     }
 

@@ -11,6 +11,10 @@ const REFRESH: usize = 64;
 const SMALL_PIVOT: f64 = 1e-6;
 /// Ridge of a set that does not determine everything, in parts of the mean eigenvalue.
 const RIDGE: f64 = 1e-6;
+/// Singular values below this part of the largest count as zero.
+const NOTHING: f64 = 1e-13;
+/// Stands in for them, in parts of the smallest that is not zero.
+const FLOOR: f64 = 1e-2;
 /// Tenfold larger ridges that are tried.
 const RIDGES: usize = 40;
 /// Ratio of pivots from which on a set determines nothing.
@@ -22,6 +26,19 @@ pub(super) enum State {
     Determinant { information: DMatrix<f64>, inverse: DMatrix<f64>, ridged: bool, updates: usize },
     Trace { inverse: DMatrix<f64>, middle: DMatrix<f64> },
     Spectral { spectrum: Spectrum, lambda: Vec<f64>, rotation: DMatrix<f64> },
+}
+
+/// What is added to all eigenvalues of a set that does not determine everything: little beside those that it has, and
+/// enough to keep differences between candidates above the rounding of `1/σ`.
+fn floor(values: &[f64]) -> f64 {
+    let largest = values.first().copied().unwrap_or(0.0);
+    let seen = |s: &f64| *s > NOTHING * largest;
+    match values.iter().rev().find(|s| seen(s)) {
+        Some(smallest) if !values.last().is_some_and(seen) => (FLOOR * smallest).powi(2),
+        // A set without rows.
+        None => f64::MIN_POSITIVE.sqrt(),
+        Some(_) => 0.0,
+    }
 }
 
 impl PoseSet<'_> {
@@ -48,8 +65,7 @@ impl PoseSet<'_> {
             }
             FastForm::Extremes(_) | FastForm::HarmonicSum | FastForm::None => {
                 let spectrum = Spectrum::of(&self.rows(), self.poses(), true);
-                let largest = spectrum.values.first().copied().unwrap_or(0.0);
-                let floor = (1e-15 * largest).powi(2);
+                let floor = floor(&spectrum.values);
                 let lambda: Vec<f64> = spectrum.values.iter().map(|s| s * s + floor).collect();
                 let rotation = &self.pool.basis * &spectrum.directions;
                 State::Spectral { spectrum, lambda, rotation }
