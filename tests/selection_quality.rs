@@ -141,21 +141,24 @@ fn the_true_best_of_a_small_list_is_found() {
         Campaign::new(mechanism, &workspace(mechanism, 30.0, 3.0), Some(&paper_noise()), Scaling::Whitened).unwrap();
     let candidates = Candidates::collect(&campaign, &Sources { random: 13, seed: 2, ..Sources::default() }).unwrap();
     let forecaster = Forecaster::new(campaign.clone(), &[]).unwrap();
-    for aim in [Aim::Index(&O1 as &dyn ObservabilityIndex), Aim::Index(&O3), Aim::Index(&O5)] {
+    let aims = [Aim::Index(&O1 as &dyn ObservabilityIndex), Aim::Index(&O3), Aim::Index(&O5)];
+    // With seven poses every set without one of its members determines nothing, which makes exchanges hard.
+    for (aim, n) in aims.into_iter().flat_map(|aim| [(aim, 7), (aim, 9)]) {
         let plan =
             Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed: 1, watch: &|_| {} };
         let found =
-            select_among(&plan, &Exchange { polish: false, ..Exchange::default() }, &candidates, 9, true).unwrap();
+            select_among(&plan, &Exchange { polish: false, ..Exchange::default() }, &candidates, n, true).unwrap();
         let Aim::Index(index) = aim else { unreachable!() };
         let best = (0_u32..1 << 13)
             .into_par_iter()
-            .filter(|bits| bits.count_ones() == 9)
+            .filter(|bits| bits.count_ones() as usize == n)
             .map(|bits| {
                 let members: Vec<usize> = (0..13).filter(|k| bits >> k & 1 == 1).collect();
                 PoseSet::new(&candidates.pool, index, &[], &members).value()
             })
             .reduce(|| 0.0, f64::max);
-        assert!(found.value >= best * (1.0 - 1e-9), "{}: {:e}, best {best:e}", index.name(), found.value);
+        let least = if n == 7 { 0.95 * best } else { best * (1.0 - 1e-9) };
+        assert!(found.value >= least, "{} of {n}: {:e}, best {best:e}", index.name(), found.value);
         assert!(found.bound.unwrap() >= best);
     }
 }
