@@ -171,7 +171,19 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         (None, n) => n.unwrap_or(POSES.max(given.len() + 1)),
     };
     bar.say(&format!("choosing {n} poses from {}", candidates.len()));
-    let report = select_among(&plan, chosen.as_ref(), &candidates, n, true).map_err(about)?;
+    let mut report = select_among(&plan, chosen.as_ref(), &candidates, n, true).map_err(about)?;
+    // Another index than the error itself may end elsewhere than the search for the number did.
+    if requirement.is_some_and(|wanted| !wanted.met_by(&report)) {
+        report = select_among(&plan, quick.as_ref(), &candidates, n, true).map_err(about)?;
+    }
+    if !(report.value > 0.0 && report.value.is_finite()) {
+        bail!(
+            "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, or offer others",
+            file(),
+            report.index,
+            report.value
+        );
+    }
     let table = if args.table {
         bar.say("comparing numbers of poses");
         how_many(&plan, quick.as_ref(), &candidates, TABLE, true).map_err(about)?
