@@ -99,7 +99,7 @@ fn the_predicted_error_is_best_in_its_own_measure() {
                 Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed: 0, watch: &|_| {} };
             select(&plan, &Exchange::default(), &sources, 20).unwrap()
         };
-        let (error, volume) = (run(Aim::PoseError), run(Aim::Index(&O1)));
+        let (error, volume) = (run(Aim::PoseError(&forecaster)), run(Aim::Index(&O1)));
         let measured = |poses: &[Pose]| {
             let all = nalgebra::DMatrix::identity(42, 42);
             let spectrum = forecaster.spectrum(poses);

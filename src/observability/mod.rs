@@ -26,6 +26,7 @@ mod pool;
 mod pose_error;
 mod pose_set;
 mod prediction;
+mod rows;
 mod scaling;
 mod spectrum;
 
@@ -39,6 +40,8 @@ pub use pool::{Block, Pool};
 pub use pose_error::PoseError;
 pub use pose_set::{Best, PoseSet};
 pub use prediction::{DECIDED, PredictedError};
+pub use rows::stacked;
+pub(crate) use rows::update_inverse;
 pub use scaling::Scaling;
 pub use spectrum::Spectrum;
 
@@ -49,6 +52,24 @@ pub enum Goal {
     Largest,
     /// Smaller is better.
     Smallest,
+}
+
+impl Goal {
+    /// `a` is better than `b` by more than rounding.
+    pub fn better(self, a: f64, b: f64) -> bool {
+        match self {
+            Self::Largest => a > b + 1e-12 * b.abs(),
+            Self::Smallest => a < b - 1e-12 * b.abs() || (b.is_infinite() && a.is_finite()),
+        }
+    }
+
+    /// A value as a score, of which the larger is the better.
+    pub fn score(self, value: f64) -> f64 {
+        match self {
+            Self::Largest => value,
+            Self::Smallest => -value,
+        }
+    }
 }
 
 /// An observability index.
@@ -110,12 +131,4 @@ pub fn index(name: &str) -> Option<Box<dyn ObservabilityIndex>> {
         "o5" => Box::new(O5),
         _ => return None,
     })
-}
-
-/// `a` is better than `b` by more than rounding.
-pub fn better(goal: Goal, a: f64, b: f64) -> bool {
-    match goal {
-        Goal::Largest => a > b + 1e-12 * b.abs(),
-        Goal::Smallest => a < b - 1e-12 * b.abs() || (b.is_infinite() && a.is_finite()),
-    }
 }

@@ -1,6 +1,6 @@
 //! What a mechanism, a workspace and a scaling make of a pose: its block of rows, and whether it can be measured.
 
-use nalgebra::{Cholesky, DMatrix, Matrix6, Matrix6xX, Vector3};
+use nalgebra::{Cholesky, DMatrix, Dim, Dyn, Matrix, Matrix6, Matrix6xX, StorageMut, Vector3};
 
 use super::SelectionError;
 use crate::conditions::Conditions;
@@ -149,11 +149,11 @@ impl<'a> Campaign<'a> {
     }
 
     /// Whether the platform can be measured at a pose: joints in their strokes, reached from home without passing a
-    /// singularity, well conditioned.
+    /// singularity, well conditioned; and its block if so.
     ///
     /// # Errors
     /// [`Infeasible`] with the reason.
-    pub fn feasible(&self, pose: &Pose) -> Result<(), Infeasible> {
+    pub fn feasible(&self, pose: &Pose) -> Result<Block, Infeasible> {
         let (joints, rows) = self.linearize(pose).map_err(|_| Infeasible::Unreachable)?;
         let structural = self.structural.iter().map(|k| rows.residual[*k].abs()).fold(0.0, f64::max);
         if structural > 1e-9 * self.size.max(1.0) {
@@ -162,7 +162,7 @@ impl<'a> Campaign<'a> {
         if !self.mechanism.within_strokes(&joints) {
             return Err(Infeasible::OutsideStroke);
         }
-        let mut motion = rows.motion;
+        let mut motion = rows.motion.clone();
         if self.side != 0.0 && motion.determinant() * self.side <= 0.0 {
             return Err(Infeasible::Unreachable);
         }
@@ -170,7 +170,10 @@ impl<'a> Campaign<'a> {
             motion.column_mut(k).unscale_mut(self.size);
         }
         let sigma = motion.singular_values();
-        if sigma.max() < WORST_CONDITION * sigma.min() { Ok(()) } else { Err(Infeasible::IllConditioned) }
+        if !(sigma.max() < WORST_CONDITION * sigma.min()) {
+            return Err(Infeasible::IllConditioned);
+        }
+        self.block_of(pose, &joints, &rows).map_err(|_| Infeasible::IllConditioned)
     }
 
     /// The scaled block of a pose.
@@ -179,6 +182,10 @@ impl<'a> Campaign<'a> {
     /// [`KinematicsError`] where it has none.
     pub fn block(&self, pose: &Pose) -> Result<Block, KinematicsError> {
         let (joints, rows) = self.linearize(pose)?;
+        self.block_of(pose, &joints, &rows)
+    }
+
+    fn block_of(&self, pose: &Pose, joints: &[f64], rows: &Linearization) -> Result<Block, KinematicsError> {
         let rates = self.workspace.convention.rates(pose);
         let singular = || KinematicsError::Singular { pivot_ratio: 0.0 };
         let block = if rows.motion.nrows() == 6 {
@@ -195,7 +202,7 @@ impl<'a> Campaign<'a> {
         } else {
             let mut motion = MotionBlock::sized_for(self.mechanism);
             let (m, at) = (self.mechanism, Conditions::unknown());
-            m.motion_block(m.values(), &joints, pose, &at, &mut motion)?;
+            m.motion_block(m.values(), joints, pose, &at, &mut motion)?;
             let by_joints = rates * motion.joints * self.joint;
             let covariance = self.covariance + by_joints.clone() * by_joints.transpose();
             let lower = Cholesky::new(covariance).ok_or_else(singular)?.unpack();
@@ -210,7 +217,7 @@ impl<'a> Campaign<'a> {
         if finite && Cholesky::new(block.noise).is_some() { Ok(block) } else { Err(singular()) }
     }
 
-    fn scale_columns(&self, derivatives: &mut Matrix6xX<f64>) {
+    fn scale_columns<R: Dim, S: StorageMut<f64, R, Dyn>>(&self, derivatives: &mut Matrix<f64, R, Dyn, S>) {
         for (mut column, scale) in derivatives.column_iter_mut().zip(&self.columns) {
             column.scale_mut(*scale);
         }
@@ -228,7 +235,7 @@ impl<'a> Campaign<'a> {
     /// [`KinematicsError`] where it has none.
     pub fn motion(&self, pose: &Pose) -> Result<DMatrix<f64>, KinematicsError> {
         let mut moved = motion_of_point(self.mechanism, pose, &self.workspace.convention.pivot)?;
-        moved.column_iter_mut().zip(&self.columns).for_each(|(mut column, scale)| column.scale_mut(*scale));
+        self.scale_columns(&mut moved);
         Ok(moved)
     }
 
@@ -239,7 +246,7 @@ impl<'a> Campaign<'a> {
     pub fn weighted_rates(&self, pose: &Pose) -> Result<DMatrix<f64>, KinematicsError> {
         let rates = self.workspace.convention.rates(pose);
         let mut moved = rates * motion_of_point(self.mechanism, pose, &Vector3::zeros())?;
-        moved.column_iter_mut().zip(&self.columns).for_each(|(mut column, scale)| column.scale_mut(*scale));
+        self.scale_columns(&mut moved);
         for (k, mut row) in moved.row_iter_mut().enumerate() {
             row.unscale_mut(self.covariance[(k, k)].sqrt());
         }

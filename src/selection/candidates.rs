@@ -79,22 +79,24 @@ impl Candidates {
             let Rejected { tried, unreachable, outside, ill } = rejected;
             SelectionError::NoCandidate { tried, unreachable, outside, ill }
         };
-        // A pose that was found feasible has a block; should one fail all the same, it tells nothing.
+        Self::of(campaign, poses, rejected.tried).ok_or_else(none)
+    }
+
+    /// Feasible poses with their blocks; `None` if there is none.
+    fn of(campaign: &Campaign<'_>, poses: Vec<Pose>, tried: usize) -> Option<Self> {
+        // A feasible pose has a block; should one fail all the same, it tells nothing.
         let silent = || Block {
             noise: nalgebra::Matrix6::identity(),
             derivatives: nalgebra::Matrix6xX::zeros(campaign.columns().len()),
         };
-        let pool = Pool::new(poses.len(), |k| campaign.block(&poses[k]).unwrap_or_else(|_| silent()));
-        Ok(Self { pool: pool.ok_or_else(none)?, poses, tried: rejected.tried })
+        let pool = Pool::new(poses.len(), |k| campaign.block(&poses[k]).unwrap_or_else(|_| silent()))?;
+        Some(Self { poses, pool, tried })
     }
 
-    /// The same with further poses, such as polished ones.
-    ///
-    /// # Errors
-    /// [`SelectionError::NoCandidate`] if there is none.
-    pub fn with(&self, campaign: &Campaign<'_>, further: &[Pose]) -> Result<Self, SelectionError> {
-        let listed = self.poses.iter().chain(further).copied().collect();
-        Self::collect(campaign, &Sources { listed, ..Sources::default() })
+    /// The same with further feasible poses, such as polished ones. `None` if their blocks cannot be stored together.
+    pub fn with(&self, campaign: &Campaign<'_>, further: &[Pose]) -> Option<Self> {
+        let poses: Vec<Pose> = self.poses.iter().chain(further).copied().collect();
+        Self::of(campaign, poses, self.tried + further.len())
     }
 
     /// Number of candidates.
@@ -114,8 +116,7 @@ fn keep(campaign: &Campaign<'_>, found: Vec<Pose>, poses: &mut Vec<Pose>, reject
         .into_par_iter()
         .map(|pose| {
             let pose = campaign.settled(&pose);
-            let judged = campaign.feasible(&pose).and_then(|()| measurable(campaign, &pose));
-            (pose, judged)
+            (pose, campaign.feasible(&pose).map(|_| ()))
         })
         .collect();
     for (pose, judged) in judged {
@@ -125,10 +126,6 @@ fn keep(campaign: &Campaign<'_>, found: Vec<Pose>, poses: &mut Vec<Pose>, reject
             Err(reason) => rejected.count(reason),
         }
     }
-}
-
-fn measurable(campaign: &Campaign<'_>, pose: &Pose) -> Result<(), Infeasible> {
-    campaign.block(pose).map(|_| ()).map_err(|_| Infeasible::IllConditioned)
 }
 
 /// Three values of each free coordinate: the corners first.
@@ -151,21 +148,20 @@ fn grid(campaign: &Campaign<'_>) -> Vec<[f64; 6]> {
 
 fn pulled(campaign: &Campaign<'_>, points: &[[f64; 6]], rejected: &mut Rejected) -> Vec<Pose> {
     let place = |u: &[f64; 6], factor: f64| campaign.settled(&campaign.workspace.pose(&u.map(|v| v * factor)));
-    let judge = |pose: &Pose| campaign.feasible(pose).and_then(|()| measurable(campaign, pose));
     let found: Vec<Result<Pose, Infeasible>> = points
         .par_iter()
         .map(|u| {
             let pose = place(u, 1.0);
-            let Err(reason) = judge(&pose) else { return Ok(pose) };
+            let Err(reason) = campaign.feasible(&pose) else { return Ok(pose) };
             let (mut inside, mut outside) = (0.0, 1.0);
             let mut best = place(u, 0.0);
-            if judge(&best).is_err() {
+            if campaign.feasible(&best).is_err() {
                 return Err(reason);
             }
             for _ in 0..PULLS {
                 let middle = 0.5 * (inside + outside);
                 let pose = place(u, middle);
-                if judge(&pose).is_ok() {
+                if campaign.feasible(&pose).is_ok() {
                     (inside, best) = (middle, pose);
                 } else {
                     outside = middle;

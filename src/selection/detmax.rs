@@ -7,6 +7,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
 
 use super::{Choice, PoseSelector, Problem, SelectionError, Step};
+use crate::observability::PoseSet;
 
 /// Adds the candidate that makes the index best, then removes the member that leaves it best; ends when both are the
 /// same.
@@ -33,17 +34,22 @@ impl PoseSelector for Detmax {
         let mut trace = vec![set.quick_value()];
         for done in 0..self.iterations {
             (problem.watch)(Step { done, total: self.iterations });
-            let Some(added) = set.best_addition() else { break };
-            set.add(added.which);
-            let Some(removed) = set.best_removal() else { break };
-            let removed = set.remove(removed.which);
+            let Some((added, removed)) = swap(&mut set) else { break };
             trace.push(set.quick_value());
-            if removed == added.which {
+            if removed == added {
                 break;
             }
         }
         Ok(Choice { poses: problem.poses(set.members()), iterations: trace.len() - 1, trace })
     }
+}
+
+/// Adds the best candidate, then removes the member whose loss is the least; `None` and no change if none is open.
+fn swap(set: &mut PoseSet<'_>) -> Option<(usize, usize)> {
+    let added = set.best_addition()?.which;
+    set.add(added);
+    let removed = set.best_removal()?.which;
+    Some((added, set.remove(removed)))
 }
 
 /// The same with a tabu list: a removed pose may not come back before as many others were removed as the list is long.
@@ -80,10 +86,7 @@ impl PoseSelector for TabuDetmax {
         trace.push(best.0);
         for done in 0..self.iterations {
             (problem.watch)(Step { done, total: self.iterations });
-            let Some(added) = set.best_addition() else { break };
-            set.add(added.which);
-            let Some(removed) = set.best_removal() else { break };
-            let removed = set.remove(removed.which);
+            let Some((_, removed)) = swap(&mut set) else { break };
             set.close(removed);
             tabu.push_back(removed);
             if tabu.len() > length

@@ -1,6 +1,5 @@
 //! Multi-start exchange, the default.
 
-use nalgebra::DMatrix;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
@@ -10,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::polish::polish;
 use super::relaxation::relax;
 use super::{Choice, PoseSelector, Problem, SelectionError, Step};
-use crate::observability::{FastForm, O1, O5, ObservabilityIndex, better};
+use crate::observability::{FastForm, O1, O5, ObservabilityIndex};
 
 /// Exchange of each member for the best candidate until none improves (Cook and Nachtsheim 1980), from the rounded
 /// relaxation, from sets that are best for smoother indices, and from random sets; then repeated with some members
@@ -71,7 +70,7 @@ impl PoseSelector for Exchange {
         let mut trace = Vec::new();
         let mut best: Option<(f64, Vec<usize>)> = None;
         for (value, members) in found {
-            if best.as_ref().is_none_or(|b| better(goal, value, b.0)) {
+            if best.as_ref().is_none_or(|b| goal.better(value, b.0)) {
                 best = Some((value, members));
             }
             trace.extend(best.as_ref().map(|b| b.0));
@@ -82,7 +81,7 @@ impl PoseSelector for Exchange {
         for round in 0..rounds as u64 {
             let mut rng = random(problem.seed, 1 << 32 | round);
             let (value, members) = improved(shaken(problem, &best.1, &mut rng));
-            if better(goal, value, best.0) {
+            if goal.better(value, best.0) {
                 best = (value, members);
             }
             trace.push(best.0);
@@ -101,7 +100,7 @@ impl Exchange {
     /// exchanges get stuck the best sets for O1 and O5.
     fn informed_starts(&self, problem: &Problem<'_>) -> Vec<Vec<usize>> {
         let mut sets = vec![problem.greedy()];
-        let fixed = fixed_rows(problem);
+        let fixed = problem.fixed_rows();
         if let Some(found) = relax(&problem.candidates.pool, problem.index, &fixed, problem.given.len(), problem.count)
         {
             sets.extend(rounded(problem, found.shares));
@@ -115,18 +114,6 @@ impl Exchange {
         }
         sets
     }
-}
-
-/// Rows of the given poses and of the prior.
-pub(super) fn fixed_rows(problem: &Problem<'_>) -> DMatrix<f64> {
-    let directions = problem.candidates.pool.directions();
-    let prior = if problem.index.prior() { directions } else { 0 };
-    let mut fixed = DMatrix::zeros(6 * problem.given.len() + prior, directions);
-    for (k, rows) in problem.given.iter().enumerate() {
-        fixed.view_mut((6 * k, 0), (6, directions)).copy_from(rows);
-    }
-    fixed.view_mut((6 * problem.given.len(), 0), (prior, directions)).fill_with_identity();
-    fixed
 }
 
 fn random(seed: u64, stream: u64) -> ChaCha8Rng {

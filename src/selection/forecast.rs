@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
 use super::{Campaign, SelectionError};
-use crate::observability::{DECIDED, PoseError, PredictedError, Scaling, Spectrum};
+use crate::observability::{DECIDED, PoseError, PredictedError, Scaling, Spectrum, stacked};
 use crate::pose::Pose;
 
 /// Poses at which errors are predicted if the user names none.
@@ -76,11 +76,7 @@ impl<'a> Forecaster<'a> {
     fn rows(&self, poses: &[Pose]) -> DMatrix<f64> {
         let blocks: Vec<DMatrix<f64>> =
             poses.iter().filter_map(|p| self.campaign.block(p).ok().and_then(|b| b.rows())).collect();
-        let mut rows = DMatrix::zeros(6 * blocks.len(), self.campaign.columns().len());
-        for (k, block) in blocks.iter().enumerate() {
-            rows.rows_mut(6 * k, 6).copy_from(block);
-        }
-        rows
+        stacked(&blocks, self.campaign.columns().len(), false)
     }
 
     /// What measuring these poses leads to, with the tolerances as prior where `calibrate` would use them.

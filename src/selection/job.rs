@@ -2,11 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::exchange::fixed_rows;
 use super::forecast::{Forecast, Forecaster};
 use super::relaxation::relax;
 use super::{Campaign, Candidates, PoseSelector, Problem, SelectionError, Sources, Step};
-use crate::observability::{DECIDED, Goal, ObservabilityIndex, Spectrum};
+use crate::observability::{DECIDED, Goal, ObservabilityIndex, PoseError, Spectrum};
 use crate::pose::Pose;
 
 /// The index to optimise.
@@ -14,8 +13,8 @@ use crate::pose::Pose;
 pub enum Aim<'a> {
     /// This one.
     Index(&'a dyn ObservabilityIndex),
-    /// The predicted error at the targets of the forecaster, which must be there.
-    PoseError,
+    /// The predicted error at the targets of this forecaster.
+    PoseError(&'a Forecaster<'a>),
 }
 
 /// A campaign to plan.
@@ -90,12 +89,14 @@ pub fn select_among(
     }
     let visible = candidates.pool.visible();
     let given = given_rows(plan, visible)?;
-    let index = index_for(plan, candidates, &given, n);
-    let index = index.as_deref().unwrap_or(match plan.aim {
+    let error;
+    let index = match plan.aim {
         Aim::Index(index) => index,
-        // `index_for` makes one in this case.
-        Aim::PoseError => &crate::observability::O1,
-    });
+        Aim::PoseError(forecaster) => {
+            error = pose_error(plan, forecaster, candidates, &given, n);
+            &error
+        }
+    };
     let directions = visible.ncols();
     if 6 * n < directions && !index.prior() {
         return Err(SelectionError::TooFewPoses {
@@ -117,7 +118,7 @@ pub fn select_among(
     };
     let choice = selector.select(&problem)?;
     let value = problem.value_of(&choice.poses);
-    let bound = if with_bound { certify(&problem, &choice.poses)? } else { None };
+    let bound = if with_bound { certify(&problem, &choice.poses) } else { None };
     let efficiency = bound.map(|b| match index.goal() {
         Goal::Largest => value / b,
         Goal::Smallest => b / value,
@@ -147,13 +148,13 @@ fn given_rows(plan: &Plan<'_>, visible: &DMatrix<f64>) -> Result<Vec<DMatrix<f64
 }
 
 /// The predicted error as index, with the tolerances as prior if good poses alone do not decide every direction.
-fn index_for(
+fn pose_error(
     plan: &Plan<'_>,
+    forecaster: &Forecaster<'_>,
     candidates: &Candidates,
     given: &[DMatrix<f64>],
     n: usize,
-) -> Option<Box<dyn ObservabilityIndex>> {
-    let (Aim::PoseError, Some(forecaster)) = (plan.aim, plan.forecaster) else { return None };
+) -> PoseError {
     let visible = candidates.pool.visible();
     let without = forecaster.index(visible, false);
     let count = (n - given.len()).min(candidates.len());
@@ -169,21 +170,21 @@ fn index_for(
     let set = problem.set(&problem.greedy());
     let values = Spectrum::of(&set.rows(), n, false).values;
     let prior = 6 * n < visible.ncols() || values.iter().any(|s| *s < DECIDED);
-    Some(Box::new(without.with_prior(prior)))
+    without.with_prior(prior)
 }
 
 /// The bound over the candidates and these poses.
-fn certify(problem: &Problem<'_>, poses: &[Pose]) -> Result<Option<f64>, SelectionError> {
+fn certify(problem: &Problem<'_>, poses: &[Pose]) -> Option<f64> {
     let known = |pose: &Pose| problem.candidates.poses.contains(pose);
     let moved: Vec<Pose> = poses.iter().filter(|p| !known(p)).copied().collect();
-    let fixed = fixed_rows(problem);
+    let fixed = problem.fixed_rows();
     let bound = |candidates: &Candidates| {
         relax(&candidates.pool, problem.index, &fixed, problem.given.len(), problem.count).map(|r| r.bound)
     };
     if moved.is_empty() {
-        return Ok(bound(problem.candidates));
+        return bound(problem.candidates);
     }
     let all = problem.candidates.with(problem.campaign, &moved)?;
     // Fixed rows are along the directions that the candidates saw before; more poses of the same box see no others.
-    Ok(if all.pool.directions() == fixed.ncols() { bound(&all) } else { None })
+    if all.pool.directions() == fixed.ncols() { bound(&all) } else { None }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use super::Problem;
-use crate::observability::{FastForm, Goal, Spectrum};
+use crate::observability::{Block, FastForm, Spectrum};
 use crate::pose::Pose;
 
 /// First and smallest step, in half-ranges of the workspace.
@@ -33,7 +33,8 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
             let mut u = coordinates(problem, &poses[k]);
             let others: Vec<[f64; 6]> =
                 (0..poses.len()).filter(|other| *other != k).map(|other| coordinates(problem, &poses[other])).collect();
-            let Some(mut best) = rest.score(problem, &poses[k]) else { continue };
+            let Ok(block) = problem.campaign.block(&poses[k]) else { continue };
+            let Some(mut best) = rest.score(problem, &block) else { continue };
             let mut step = FIRST_STEP;
             while step >= smallest {
                 let mut moved = false;
@@ -45,10 +46,8 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
                             continue;
                         }
                         let pose = problem.campaign.settled(&workspace.pose(&next));
-                        if problem.campaign.feasible(&pose).is_err() {
-                            continue;
-                        }
-                        if let Some(score) = rest.score(problem, &pose).filter(|s| *s > best + 1e-12 * best.abs()) {
+                        let Ok(block) = problem.campaign.feasible(&pose) else { continue };
+                        if let Some(score) = rest.score(problem, &block).filter(|s| *s > best + 1e-12 * best.abs()) {
                             (best, u, poses[k]) = (score, next, pose);
                             moved = true;
                         }
@@ -88,10 +87,10 @@ enum Rest {
 
 impl Rest {
     fn of(problem: &Problem<'_>, poses: &[Pose], without: usize) -> Option<Self> {
-        let others: Vec<Pose> = poses.iter().enumerate().filter(|(k, _)| *k != without).map(|(_, p)| *p).collect();
+        let others = poses.iter().enumerate().filter(|(k, _)| *k != without).map(|(_, pose)| pose);
         let visible = problem.candidates.pool.visible();
-        let mut rows = super::exchange::fixed_rows(problem);
-        for pose in &others {
+        let mut rows = problem.fixed_rows();
+        for pose in others {
             let block = problem.campaign.block(pose).ok()?.rows()? * visible;
             let first = rows.nrows();
             rows = rows.resize_vertically(first + 6, 0.0);
@@ -114,16 +113,16 @@ impl Rest {
             }
             _ => None,
         }
-        .or_else(|| Some(Self::Rows { square: square.clone(), poses: others.len() + problem.given.len() }))
+        .or_else(|| Some(Self::Rows { square: square.clone(), poses: poses.len() - 1 + problem.given.len() }))
     }
 
     /// Larger is better.
-    fn score(&self, problem: &Problem<'_>, pose: &Pose) -> Option<f64> {
-        let block = problem.campaign.block(pose).ok()?.rows()? * problem.candidates.pool.visible();
+    fn score(&self, problem: &Problem<'_>, block: &Block) -> Option<f64> {
+        let block = block.rows()? * problem.candidates.pool.visible();
         match self {
             Self::Determinant(inverse) => {
                 let s = DMatrix::identity(6, 6) + &block * inverse * block.transpose();
-                Some(Cholesky::new(s)?.l_dirty().diagonal().iter().map(|v| v.ln()).sum())
+                Some(0.5 * Cholesky::new(s)?.ln_determinant())
             }
             Self::Trace { inverse, middle } => {
                 let s = DMatrix::identity(6, 6) + &block * inverse * block.transpose();
@@ -135,7 +134,7 @@ impl Rest {
                 let mut rows = square.clone().resize_vertically(n + 6, 0.0);
                 rows.rows_mut(n, 6).copy_from(&block);
                 let value = problem.index.value(&Spectrum::of(&rows, poses + 1, problem.index.needs_directions()));
-                Some(if problem.index.goal() == Goal::Largest { value } else { -value })
+                Some(problem.index.goal().score(value))
             }
         }
     }

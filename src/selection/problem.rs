@@ -7,7 +7,7 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
 
 use super::{Campaign, Candidates, SelectionError};
-use crate::observability::{O1, ObservabilityIndex, PoseSet, Spectrum};
+use crate::observability::{O1, ObservabilityIndex, PoseSet, Spectrum, stacked};
 use crate::pose::Pose;
 
 /// Choose `count` of the candidates so that the index of them and the given poses together is best.
@@ -127,15 +127,15 @@ impl<'a> Problem<'a> {
     pub fn spectrum_of(&self, poses: &[Pose]) -> Spectrum {
         let visible = self.candidates.pool.visible();
         let directions = visible.ncols();
-        let prior = if self.index.prior() { directions } else { 0 };
         let own = poses.iter().filter_map(|p| Some(self.campaign.block(p).ok()?.rows()? * visible));
         let blocks: Vec<DMatrix<f64>> = own.chain(self.given.iter().cloned()).collect();
-        let mut rows = DMatrix::zeros(6 * blocks.len() + prior, directions);
-        for (k, block) in blocks.iter().enumerate() {
-            rows.view_mut((6 * k, 0), (6, directions)).copy_from(block);
-        }
-        rows.view_mut((6 * blocks.len(), 0), (prior, directions)).fill_with_identity();
+        let rows = stacked(&blocks, directions, self.index.prior());
         Spectrum::of(&rows, blocks.len(), self.index.needs_directions())
+    }
+
+    /// Rows that belong to every set, as [`relax`](super::relax) wants them: those of the given poses and of the prior.
+    pub fn fixed_rows(&self) -> DMatrix<f64> {
+        stacked(self.given, self.candidates.pool.directions(), self.index.prior())
     }
 
     /// The poses of candidates.

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use super::relaxation::Spread;
-use crate::observability::{O1, Pool, PoseSet};
+use crate::observability::{O1, Pool, PoseSet, update_inverse};
 
 /// Shares below this are dropped.
 const DROPPED: f64 = 1e-6;
@@ -159,8 +159,7 @@ impl<'a> Support<'a> {
             let d = self.directional(&factor.inverse());
             let Spread { top, within } = self.spread(&d);
             if top - within < 2.0 * l * gap || look == LOOKS {
-                let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum::<f64>();
-                return Volume { log_determinant, top, within, steps };
+                return Volume { log_determinant: factor.ln_determinant(), top, within, steps };
             }
             for candidate in self.outside(&d, LET_IN) {
                 self.let_in(candidate, 0.0);
@@ -187,11 +186,9 @@ impl<'a> Support<'a> {
             self.shares[from] = if t == self.shares[from] { 0.0 } else { self.shares[from] - t };
             for (which, sign) in [(to, 1.0), (from, -1.0)] {
                 let rows = &self.rows[which] * t.sqrt();
-                let across = &inverse * rows.transpose();
-                let middle = DMatrix::identity(6, 6) + &rows * &across * sign;
-                let Some(factor) = Cholesky::new(middle) else { return step + 1 };
-                let solved = factor.solve(&across.transpose());
-                inverse.gemm(-sign, &across, &solved, 1.0);
+                if !update_inverse(&mut inverse, &rows, sign, 0.0) {
+                    return step + 1;
+                }
             }
         }
         EXCHANGES

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 use paracal::files::{ListedPose, Machine, Outputs, read_poses};
-use paracal::observability::{INDICES, ObservabilityIndex, Scaling, index};
+use paracal::observability::{INDICES, Scaling, index};
 use paracal::pose::Pose;
 use paracal::report::{json, text};
 use paracal::selection::{
@@ -152,7 +152,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ui.warn(&format!("only {} of {} poses tried can be measured", candidates.len(), candidates.tried));
     }
     let named = index(&args.index);
-    let aim = named.as_deref().map_or(Aim::PoseError, |i: &dyn ObservabilityIndex| Aim::Index(i));
+    let aim = match (named.as_deref(), &forecaster) {
+        (Some(index), _) => Aim::Index(index),
+        (None, Some(forecaster)) => Aim::PoseError(forecaster),
+        // Whitened rows were asked for above, and with them there is a forecast.
+        (None, None) => return Err(about(SelectionError::NoNoise)),
+    };
     let watch = |step: paracal::selection::Step| bar.set(step.done, step.total);
     let plan = Plan {
         campaign: &campaign,

@@ -1,9 +1,9 @@
-//! `det(I ± J A Jᵀ)`, and the derivative that the bound needs.
+//! `det(I ± J A Jᵀ)`.
 
 use nalgebra::DMatrix;
 use pulp::Simd;
 
-use super::lanes::{Lanes, determinant_of, factor, half_of, load, store, trace_of_quotient, vectors};
+use super::lanes::{Lanes, add_half, determinant_of, load, store, vectors};
 use super::{Layout, Scan, run};
 
 struct Determinant {
@@ -24,9 +24,7 @@ impl<L: Layout> Scan<L> for Determinant {
             for half in 0..2 {
                 let vector = 2 * pair + half;
                 let mut sum = layout.noise(simd, batch, vector);
-                for (sum, s) in sum.iter_mut().zip(&s) {
-                    *sum = simd.mul_add_e_f64s(sign, s[half], *sum);
-                }
+                add_half(simd, &mut sum, sign, &s, half);
                 // Layouts keep det P = 1.
                 store::<S>(out, vector, simd.mul_f64s(determinant_of(simd, sum), load::<S>(open, vector)));
             }
@@ -43,33 +41,4 @@ pub(in super::super) fn determinant<L: Layout>(
     out: &mut [Lanes],
 ) {
     run(layout, &Determinant { packed: layout.pack(a), sign }, open, out);
-}
-
-struct Gradient {
-    packed: Vec<f64>,
-}
-
-impl<L: Layout> Scan<L> for Gradient {
-    type Memory<S: Simd> = ();
-
-    fn start<S: Simd>(&self, _: S, _: &L) {}
-
-    #[inline(always)]
-    fn batch<S: Simd>(&self, simd: S, layout: &L, batch: &[Lanes], open: &Lanes, out: &mut Lanes, _: &mut ()) {
-        for pair in 0..vectors::<S>() / 2 {
-            let s = layout.quadratic(simd, batch, 2 * pair, &self.packed);
-            for half in 0..2 {
-                let vector = 2 * pair + half;
-                let mut p = layout.noise(simd, batch, vector);
-                factor(simd, &mut p);
-                let trace = trace_of_quotient(simd, &p, &half_of(simd, &s, half));
-                store::<S>(out, vector, simd.mul_f64s(trace, load::<S>(open, vector)));
-            }
-        }
-    }
-}
-
-/// `tr(Φ JᵀJ)` of every candidate, 0 where `open` is.
-pub(in super::super) fn gradient<L: Layout>(layout: &L, phi: &DMatrix<f64>, open: &[Lanes], out: &mut [Lanes]) {
-    run(layout, &Gradient { packed: layout.pack(phi) }, open, out);
 }

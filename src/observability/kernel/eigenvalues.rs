@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use super::lanes::{LANES, Lanes, Sym, at, factor, store};
+use super::lanes::{LANES, Lanes, Sym, add_outer, at, factor, store};
 
 /// Leading eigenvectors in which the largest eigenvalue is bounded.
 const LEADING: usize = 6;
@@ -49,12 +49,7 @@ impl<S: Simd> Lane<'_, S> {
             count = simd.add_f64s(count, simd.select_f64s(negative, one, zero));
             let distance = simd.select_f64s(simd.equal_f64s(distance, zero), tiny, distance);
             let weight = simd.div_f64s(sign, distance);
-            for i in 0..6 {
-                let scaled = simd.mul_f64s(weight, y[i]);
-                for j in 0..=i {
-                    m[at(i, j)] = simd.mul_add_e_f64s(scaled, y[j], m[at(i, j)]);
-                }
-            }
+            add_outer(simd, &mut m, weight, y);
         }
         factor(simd, &mut m);
         // Adding: #(λ < b) - #neg; removing: #(λ < b) + #neg.

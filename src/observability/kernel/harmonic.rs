@@ -7,7 +7,7 @@
 
 use pulp::Simd;
 
-use super::lanes::{LANES, Lanes, at, determinant_of, store, vectors};
+use super::lanes::{LANES, Lanes, add_outer, determinant_of, store, vectors};
 use super::{Layout, Scan, run};
 
 const STEP: f64 = 0.8;
@@ -56,12 +56,7 @@ impl<L: Layout> Scan<L> for Harmonic<'_> {
                 let mut m = p;
                 for (weight, y) in weights.iter().zip(y.as_chunks::<6>().0) {
                     let weight = simd.mul_f64s(sign, simd.splat_f64s(*weight));
-                    for i in 0..6 {
-                        let scaled = simd.mul_f64s(weight, y[i]);
-                        for j in 0..=i {
-                            m[at(i, j)] = simd.mul_add_e_f64s(scaled, y[j], m[at(i, j)]);
-                        }
-                    }
+                    add_outer(simd, &mut m, weight, y);
                 }
                 let mut h = [0.0; LANES];
                 store::<S>(&mut h, 0, determinant_of(simd, m));

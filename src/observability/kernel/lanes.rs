@@ -51,19 +51,44 @@ pub(super) fn store<S: Simd>(row: &mut Lanes, vector: usize, value: S::f64s) {
     S::as_mut_simd_f64s(row).0[vector] = value;
 }
 
+/// Adds `factor` times one of the two vectors of every entry.
+#[inline(always)]
+pub(super) fn add_half<S: Simd>(simd: S, m: &mut Sym<S::f64s>, factor: S::f64s, both: &Sym<Two<S>>, half: usize) {
+    for (m, both) in m.iter_mut().zip(both) {
+        *m = simd.mul_add_e_f64s(factor, both[half], *m);
+    }
+}
+
+/// Adds `weight y yᵀ`.
+#[inline(always)]
+pub(super) fn add_outer<S: Simd>(simd: S, m: &mut Sym<S::f64s>, weight: S::f64s, y: &[S::f64s; 6]) {
+    for i in 0..6 {
+        let scaled = simd.mul_f64s(weight, y[i]);
+        for j in 0..=i {
+            m[at(i, j)] = simd.mul_add_e_f64s(scaled, y[j], m[at(i, j)]);
+        }
+    }
+}
+
+/// Eliminates column `k` below its pivot; returns the inverse of the pivot.
+#[inline(always)]
+fn eliminate<S: Simd>(simd: S, m: &mut Sym<S::f64s>, k: usize) -> S::f64s {
+    let inverse = simd.div_f64s(simd.splat_f64s(1.0), m[at(k, k)]);
+    for i in k + 1..6 {
+        let f = simd.mul_f64s(m[at(i, k)], inverse);
+        for j in k + 1..=i {
+            m[at(i, j)] = simd.negate_mul_add_e_f64s(f, m[at(j, k)], m[at(i, j)]);
+        }
+    }
+    inverse
+}
+
 /// Replaces a matrix by its factors `L D Lᵀ` (unit lower triangle and pivots in one place). Without pivoting, so
 /// that lanes stay together; the signs of the pivots are the inertia.
 #[inline(always)]
 pub(super) fn factor<S: Simd>(simd: S, m: &mut Sym<S::f64s>) {
-    let one = simd.splat_f64s(1.0);
     for k in 0..6 {
-        let inverse = simd.div_f64s(one, m[at(k, k)]);
-        for i in k + 1..6 {
-            let f = simd.mul_f64s(m[at(i, k)], inverse);
-            for j in k + 1..=i {
-                m[at(i, j)] = simd.negate_mul_add_e_f64s(f, m[at(j, k)], m[at(i, j)]);
-            }
-        }
+        let inverse = eliminate(simd, m, k);
         for i in k + 1..6 {
             m[at(i, k)] = simd.mul_f64s(m[at(i, k)], inverse);
         }
@@ -73,16 +98,9 @@ pub(super) fn factor<S: Simd>(simd: S, m: &mut Sym<S::f64s>) {
 /// Determinant of a matrix; the matrix is used up.
 #[inline(always)]
 pub(super) fn determinant_of<S: Simd>(simd: S, mut m: Sym<S::f64s>) -> S::f64s {
-    let one = simd.splat_f64s(1.0);
     let mut product = m[0];
     for k in 0..5 {
-        let inverse = simd.div_f64s(one, m[at(k, k)]);
-        for i in k + 1..6 {
-            let f = simd.mul_f64s(m[at(i, k)], inverse);
-            for j in k + 1..=i {
-                m[at(i, j)] = simd.negate_mul_add_e_f64s(f, m[at(j, k)], m[at(i, j)]);
-            }
-        }
+        eliminate(simd, &mut m, k);
         product = simd.mul_f64s(product, m[at(k + 1, k + 1)]);
     }
     product

@@ -16,8 +16,9 @@
 //!
 //! Candidates lie in batches of [`LANES`], each number of a batch as one row of lanes, so that one instruction works
 //! on many of them; `pulp` chooses the instruction set when the program runs. [`legs`] is the layout of six legs,
-//! [`dense`] serves every other mechanism (there `P = I`, `U = J`). A score depends on nothing but its candidate, so
-//! that it is the same in any batch and on any thread.
+//! [`dense`] serves every other mechanism (there `P = I`, `U = J`). Every candidate is
+//! scored in a lane of its own, so that the best one is the same in any batch and on any thread; how far [`extremes`]
+//! evaluates the others depends on what it saw before.
 
 mod dense;
 mod determinant;
@@ -32,13 +33,13 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 pub(super) use dense::Dense;
-pub(super) use determinant::{determinant, gradient};
+pub(super) use determinant::determinant;
 pub use extremes::Extremes;
 pub(super) use extremes::extremes;
 pub(super) use harmonic::harmonic;
 pub(super) use lanes::{LANES, Lanes};
 pub(super) use legs::{Legs, PER_LEG, SLOTS};
-pub(super) use trace::trace;
+pub(super) use trace::{gradient, trace};
 
 use lanes::{Sym, Two};
 

@@ -6,6 +6,7 @@ use nalgebra::{Cholesky, DMatrix, Matrix6, Matrix6xX};
 use rayon::prelude::*;
 
 use super::kernel::{Dense, LANES, Lanes, Legs, PER_LEG, SLOTS, gradient};
+use super::rows::{at_least_square, stacked};
 use structure::{Groups, groups_of, row_scales, visible_directions};
 
 /// What one pose would tell, as a factored block `J = P^-½ U` with rows and columns scaled.
@@ -138,11 +139,8 @@ impl Pool {
         visible: DMatrix<f64>,
     ) -> Option<Self> {
         let parameters = visible.ncols();
-        let mut stack = DMatrix::zeros((6 * looked_at.len()).max(parameters), parameters);
-        for (k, b) in looked_at.iter().enumerate() {
-            stack.view_mut((6 * k, 0), (6, parameters)).copy_from(&(b.rows()? * &visible));
-        }
-        let basis = stack.qr().r() / (looked_at.len() as f64).sqrt();
+        let blocks = looked_at.iter().map(|b| Some(b.rows()? * &visible)).collect::<Option<Vec<_>>>()?;
+        let basis = at_least_square(stacked(&blocks, parameters, false)).qr().r() / (looked_at.len() as f64).sqrt();
         let inverse = basis.clone().try_inverse().filter(|m| m.iter().all(|v| v.is_finite()))?;
         let onto = &visible * &inverse;
         let batches = len.div_ceil(LANES);

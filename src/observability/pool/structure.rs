@@ -4,6 +4,7 @@ use nalgebra::{Cholesky, DMatrix, Matrix6};
 
 use super::Block;
 use crate::observability::kernel::{PER_LEG, SLOTS};
+use crate::observability::rows::{at_least_square, stacked};
 
 /// Directions seen by less than this part of the strongest are invisible.
 const INVISIBLE: f64 = 1e-12;
@@ -43,11 +44,8 @@ pub(super) fn groups_of(blocks: &[Block]) -> Option<Groups> {
 /// Orthonormal basis of the row space of all blocks; the identity if they see everything.
 pub(super) fn visible_directions(blocks: &[Block]) -> Option<DMatrix<f64>> {
     let parameters = blocks.first()?.derivatives.ncols();
-    let mut stack = DMatrix::zeros((6 * blocks.len()).max(parameters), parameters);
-    for (k, block) in blocks.iter().enumerate() {
-        stack.view_mut((6 * k, 0), (6, parameters)).copy_from(&block.rows()?);
-    }
-    let mut r = stack.qr().r();
+    let blocks = blocks.iter().map(Block::rows).collect::<Option<Vec<_>>>()?;
+    let mut r = at_least_square(stacked(&blocks, parameters, false)).qr().r();
     let lengths: Vec<f64> = r.column_iter().map(|c| c.norm()).collect();
     for (mut column, length) in r.column_iter_mut().zip(&lengths) {
         column.unscale_mut(if *length > 0.0 { *length } else { 1.0 });

@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::kernel::{LANES, Lanes};
 use super::pool::Stored;
-use super::{FastForm, Goal, ObservabilityIndex, Pool, Spectrum};
+use super::{FastForm, Goal, ObservabilityIndex, Pool, Spectrum, stacked};
 use best::{best_of, best_open};
 use scoring::QUADRATURE;
 use state::{SINGULAR, State};
@@ -33,13 +33,6 @@ pub struct PoseSet<'a> {
 impl<'a> PoseSet<'a> {
     /// A set of members. `given` are rows (6 each) of poses that are part of it beside the candidates.
     pub fn new(pool: &'a Pool, index: &'a dyn ObservabilityIndex, given: &[DMatrix<f64>], members: &[usize]) -> Self {
-        let directions = pool.directions();
-        let prior = if index.prior() { directions } else { 0 };
-        let mut fixed = DMatrix::zeros(6 * given.len() + prior, directions);
-        for (k, rows) in given.iter().enumerate() {
-            fixed.view_mut((6 * k, 0), (6, directions)).copy_from(rows);
-        }
-        fixed.view_mut((6 * given.len(), 0), (prior, directions)).fill_with_identity();
         let mut open = vec![[1.0; LANES]; pool.len().div_ceil(LANES)];
         for k in pool.len()..LANES * open.len() {
             open[k / LANES][k % LANES] = 0.0;
@@ -48,7 +41,7 @@ impl<'a> PoseSet<'a> {
         let mut set = Self {
             pool,
             index,
-            fixed,
+            fixed: stacked(given, pool.directions(), index.prior()),
             fixed_poses: given.len(),
             members: Vec::with_capacity(members.len() + 1),
             open,
@@ -126,8 +119,7 @@ impl<'a> PoseSet<'a> {
             // With a ridge the factors are those of another set.
             (State::Determinant { information, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
                 let Some(factor) = Cholesky::new(information.clone()) else { return self.value() };
-                let stored: f64 = factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum();
-                let mean = (stored + self.log_volume) / information.nrows() as f64;
+                let mean = (0.5 * factor.ln_determinant() + self.log_volume) / information.nrows() as f64;
                 let values = vec![mean.exp(); information.nrows()];
                 self.index.value(&Spectrum { values, directions: DMatrix::zeros(0, 0), poses: self.poses() })
             }
@@ -138,7 +130,7 @@ impl<'a> PoseSet<'a> {
 
     /// True if `a` is a better value of the index than `b`.
     pub fn better(&self, a: f64, b: f64) -> bool {
-        super::better(self.index.goal(), a, b)
+        self.index.goal().better(a, b)
     }
 
     /// The open candidate whose addition makes the index best; `None` if none is open.

@@ -7,7 +7,7 @@ use super::PoseSet;
 use super::best::best_open;
 use super::state::State;
 use crate::observability::kernel::{self, LANES, Lanes};
-use crate::observability::{FastForm, Goal, Spectrum};
+use crate::observability::{FastForm, Spectrum};
 
 /// Error of the quadrature behind O5, in parts of the change.
 pub(super) const QUADRATURE: f64 = 1e-4;
@@ -70,12 +70,11 @@ impl PoseSet<'_> {
     }
 
     pub(super) fn slow_additions(&self, scores: &mut [Lanes]) {
-        let sign = if self.index.goal() == Goal::Largest { 1.0 } else { -1.0 };
         scores.par_iter_mut().enumerate().for_each(|(batch, lanes)| {
             for (lane, score) in lanes.iter_mut().enumerate() {
                 let k = batch * LANES + lane;
                 if k < self.pool.len() && self.is_open(k) {
-                    *score = sign * self.index.value(&self.spectrum_with(k));
+                    *score = self.index.goal().score(self.index.value(&self.spectrum_with(k)));
                 }
             }
         });
@@ -85,7 +84,7 @@ impl PoseSet<'_> {
     pub(super) fn exact_without(&self, position: usize) -> f64 {
         let rows = self.stacked(|k| self.pool.rows(k), &self.fixed, Some(position));
         let value = self.index.value(&Spectrum::of(&rows, self.poses() - 1, self.index.needs_directions()));
-        if self.index.goal() == Goal::Largest { value } else { -value }
+        self.index.goal().score(value)
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use super::PoseSet;
-use crate::observability::{FastForm, Spectrum};
+use crate::observability::{FastForm, Spectrum, update_inverse};
 
 /// Rank-six updates of an inverse until it is computed afresh; its error is then about 1e-10.
 const REFRESH: usize = 64;
@@ -108,16 +108,10 @@ impl PoseSet<'_> {
         };
         let rows = self.pool.stored(candidate);
         information.gemm(sign, &rows.transpose(), &rows, 1.0);
-        let across = &*inverse * rows.transpose();
-        let middle = DMatrix::identity(6, 6) + &rows * &across * sign;
-        let factor = Cholesky::new(middle).filter(|c| c.l_dirty().diagonal().min() > SMALL_PIVOT.sqrt());
-        match factor {
-            Some(factor) => {
-                let solved = factor.solve(&across.transpose());
-                inverse.gemm(-sign, &across, &solved, 1.0);
-                *updates += 1;
-            }
-            None => self.state = State::Stale,
+        if update_inverse(inverse, &rows, sign, SMALL_PIVOT) {
+            *updates += 1;
+        } else {
+            self.state = State::Stale;
         }
     }
 }
