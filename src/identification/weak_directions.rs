@@ -11,7 +11,7 @@ use super::problem::CalibrationProblem;
 use super::result::linearized;
 use super::{IdentifyError, Task, Weights};
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
-use crate::observability::DECIDED;
+use crate::observability::{DECIDED, Spectrum};
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]
@@ -68,20 +68,8 @@ impl DataSpectrum {
         for (k, s) in scale.iter().enumerate() {
             part.column_mut(k).scale_mut(*s);
         }
-        if part.nrows() < n {
-            part = part.resize_vertically(n, 0.0);
-        }
-        // Whitened rows of absurdly small noise overflow when they are squared; only ratios matter for directions.
-        let largest = part.amax().max(f64::MIN_POSITIVE);
-        part.unscale_mut(largest);
-        let svd = part.svd(false, true);
-        let directions = svd.v_t.map_or_else(|| DMatrix::identity(n, n), |v| v.transpose());
-        Self {
-            values: svd.singular_values.iter().map(|s| s * largest).collect(),
-            directions,
-            scaled_by_tolerance: specs.iter().all(|s| s.tolerance.is_some()),
-            scale,
-        }
+        let Spectrum { values, directions, .. } = Spectrum::of(&part, 0, true);
+        Self { values, directions, scaled_by_tolerance: specs.iter().all(|s| s.tolerance.is_some()), scale }
     }
 
     /// Directions (columns, in parameters over their scale) of which the rows say nothing; `None` if there are

@@ -40,6 +40,13 @@ const STREAM: u64 = 5 << 32;
 /// Halvings when an infeasible corner is pulled towards the centre.
 const PULLS: usize = 30;
 
+/// Random numbers of a seed that know nothing of those of another stream.
+pub(super) fn random_stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
+}
+
 #[derive(Clone, Copy, Default)]
 struct Rejected {
     tried: usize,
@@ -182,8 +189,7 @@ fn pulled(campaign: &Campaign<'_>, points: &[[f64; 6]], rejected: &mut Rejected)
 }
 
 fn draw(campaign: &Campaign<'_>, sources: &Sources, poses: &mut Vec<Pose>, rejected: &mut Rejected) {
-    let mut rng = ChaCha8Rng::seed_from_u64(sources.seed);
-    rng.set_stream(STREAM);
+    let mut rng = random_stream(sources.seed, STREAM);
     let wanted = poses.len() + sources.random;
     poses.reserve(sources.random);
     let mut draws = 0;

@@ -1,11 +1,12 @@
 //! Multi-start exchange, the default.
 
+use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
-use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::candidates::random_stream;
 use super::polish::polish;
 use super::relaxation::relax;
 use super::{Choice, PoseSelector, Problem, SelectionError, Step};
@@ -53,7 +54,7 @@ impl PoseSelector for Exchange {
         let mut sets = self.informed_starts(problem);
         sets.extend(
             (0..starts as u64)
-                .map(|stream| problem.start(&mut random(problem.seed, stream)))
+                .map(|stream| problem.start(&mut random_stream(problem.seed, stream)))
                 .collect::<Result<Vec<_>, _>>()?,
         );
         sets.sort_unstable();
@@ -79,7 +80,7 @@ impl PoseSelector for Exchange {
             return Err(SelectionError::TooFewCandidates { wanted: problem.count, found: 0 });
         };
         for round in 0..rounds as u64 {
-            let mut rng = random(problem.seed, 1 << 32 | round);
+            let mut rng = random_stream(problem.seed, 1 << 32 | round);
             let (value, members) = improved(shaken(problem, &best.1, &mut rng));
             if goal.better(value, best.0) {
                 best = (value, members);
@@ -114,12 +115,6 @@ impl Exchange {
         }
         sets
     }
-}
-
-fn random(seed: u64, stream: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(stream);
-    rng
 }
 
 /// The heaviest candidates; a greedy choice fills up what is missing.
