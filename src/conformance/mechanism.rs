@@ -6,7 +6,7 @@ use rand::rngs::ChaCha8Rng;
 
 use super::{Violation, violation};
 use crate::conditions::Conditions;
-use crate::mechanism::{Linearization, Mechanism, MotionBlock, Workspace, characteristic_length};
+use crate::mechanism::{Linearization, Mechanism, MotionBlock, Workspace, characteristic_length, settled};
 use crate::pose::Pose;
 
 const POSES: usize = 20;
@@ -18,6 +18,7 @@ const AGREES: f64 = 1e-6;
 /// Checks a mechanism over a workspace.
 ///
 /// * specifications, values and sizes agree, names are unique;
+/// * the coordinates that it controls are reached, and the others follow;
 /// * forward kinematics undoes inverse kinematics, and gives the same bits twice;
 /// * the closure residual is zero there, and `J₁`, `J₂` and `∂f/∂h` agree with central differences;
 /// * the motion block agrees with central differences of forward kinematics, parameter by parameter;
@@ -29,7 +30,7 @@ pub fn mechanism(m: &dyn Mechanism, workspace: &Workspace) -> Result<(), Violati
     sizes(m)?;
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for _ in 0..POSES {
-        let pose = workspace.random(&mut rng);
+        let pose = reachable(m, &workspace.random(&mut rng))?;
         let joints = round_trip(m, &pose)?;
         closure_derivatives(m, &pose, &joints)?;
         motion_blocks(m, &pose, &joints)?;
@@ -72,6 +73,21 @@ fn sizes(m: &dyn Mechanism) -> Result<(), Violation> {
         return Err(violation(LAW, "there is no joint"));
     }
     Ok(())
+}
+
+/// The pose with the coordinates that the joints do not control where the closure puts them.
+fn reachable(m: &dyn Mechanism, pose: &Pose) -> Result<Pose, Violation> {
+    let failed = |e| violation("a pose of the workspace can be taken", format!("{}: {e}", shown(pose)));
+    let (taken, _) = settled(m, m.values(), pose, &Conditions::unknown()).map_err(failed)?;
+    let (wanted, found) = (pose.coordinates(), taken.coordinates());
+    for k in (0..6).filter(|k| m.controlled()[*k]) {
+        if !((wanted[k] - found[k]).abs() <= 1e-9) {
+            let name = ["x", "y", "z", "alpha", "beta", "gamma"][k];
+            let detail = format!("{name} is {:.9} instead of {:.9} at {}", found[k], wanted[k], shown(pose));
+            return Err(violation("controlled coordinates are reached", detail));
+        }
+    }
+    Ok(taken)
 }
 
 fn round_trip(m: &dyn Mechanism, pose: &Pose) -> Result<Vec<f64>, Violation> {

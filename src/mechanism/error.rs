@@ -73,6 +73,25 @@ pub enum GeometryError {
     /// No home pose fits the lengths.
     #[error("no home pose fits the leg lengths: {0}; state [home] or correct the lengths")]
     Home(KinematicsError),
+    /// The loops of a closure-defined mechanism do not close at home.
+    #[error("the loops do not close at home: {0}; correct home or the dimensions")]
+    ClosureAtHome(KinematicsError),
+    /// An outline that contradicts itself.
+    #[error("{0}")]
+    Outline(String),
+    /// A closure equation depends on a column although the closure says that it does not.
+    #[error(
+        "closure equation {row} depends on {column} (derivative {value:.3e} at home), but `Closure::depends` says that it \
+         does not"
+    )]
+    HiddenDependence {
+        /// Equation, from 1.
+        row: usize,
+        /// Parameter or joint.
+        column: String,
+        /// The derivative.
+        value: f64,
+    },
     /// Anything else, for mechanisms of a consumer.
     #[error("{0}")]
     Other(String),
@@ -120,6 +139,13 @@ pub enum KinematicsError {
         joint: String,
         /// Why not.
         reason: String,
+    },
+    /// The loops do not close.
+    #[error("no joints close the loops at this pose on the branch of home (the best attempt misses by {residual:.1e} m); \
+         take a pose nearer to home")]
+    NoRoot {
+        /// Largest closure residual of the best attempt, m.
+        residual: f64,
     },
     /// Wrong number of joints.
     #[error("expected {expected} joint coordinates, found {found}")]

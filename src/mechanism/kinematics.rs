@@ -1,6 +1,6 @@
 //! Kinematics of any mechanism from its closure equations.
 
-use nalgebra::{DMatrix, Matrix6, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
 use crate::conditions::Conditions;
@@ -70,36 +70,51 @@ pub fn follow_joints(
     Ok(pose)
 }
 
-/// The closure equations of any mechanism as six equations: for `m > 6` rows the least-squares pose, through
-/// the QR decomposition of `J₁`.
-struct ClosureProblem<'a, M: ?Sized> {
-    mechanism: &'a M,
-    c: &'a [f64],
+/// Closure equations as six equations: for `m > 6` rows the least-squares pose, through the QR decomposition of `J₁`.
+struct RowsProblem<'a, F> {
+    rows: &'a mut F,
     joints: &'a [f64],
-    at: &'a Conditions,
-    work: &'a mut Linearization,
 }
 
-impl<M: Mechanism + ?Sized> NewtonProblem for ClosureProblem<'_, M> {
+impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> NewtonProblem for RowsProblem<'_, F> {
     type Point = Pose;
 
     fn linearize(&mut self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
-        self.mechanism.linearize(self.c, self.joints, pose, self.at, self.work);
-        if self.work.motion.nrows() == 6 {
-            residual.copy_from(&self.work.residual);
-            jacobian.copy_from(&self.work.motion);
+        let (mut rows, motion) = (self.rows)(self.joints, pose);
+        if motion.nrows() == 6 {
+            residual.copy_from(&rows);
+            jacobian.copy_from(&motion);
             return;
         }
-        let qr = self.work.motion.clone().qr();
-        let mut rotated = self.work.residual.clone();
-        qr.q_tr_mul(&mut rotated);
-        residual.copy_from(&rotated.rows(0, 6));
+        let qr = motion.qr();
+        qr.q_tr_mul(&mut rows);
+        residual.copy_from(&rows.rows(0, 6));
         jacobian.copy_from(&qr.r());
     }
 
     fn step(&self, pose: &Pose, delta: &Vector6<f64>) -> Pose {
         pose.moved(delta)
     }
+}
+
+/// Forward kinematics from closure equations: `rows` gives the residual (m) and `J₁` (m × 6) for joints and a pose,
+/// `seed_joints` those of the seed.
+///
+/// # Errors
+/// [`KinematicsError`]; see [`Mechanism::forward`].
+pub fn forward_by_rows(
+    joints: &[f64],
+    seed: &Pose,
+    seed_joints: impl FnOnce() -> Result<Vec<f64>, KinematicsError>,
+    mut rows: impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
+) -> Result<Pose, KinematicsError> {
+    let (_, motion) = rows(joints, seed);
+    // The starting pose tells on which side of the singularities the mechanism works. With more than six rows
+    // there is no such sign.
+    let side = if motion.nrows() == 6 { motion.determinant().signum() } else { 0.0 };
+    follow_joints(joints, seed, seed_joints, side, |joints, seed| {
+        newton(RowsProblem { rows: &mut rows, joints }, *seed, NewtonOptions::default())
+    })
 }
 
 /// Forward kinematics of any mechanism from its closure equations.
@@ -118,20 +133,33 @@ pub fn forward_by_closure<M: Mechanism + ?Sized>(
         return Err(KinematicsError::JointCount { expected, found: joints.len() });
     }
     let mut work = Linearization::sized_for(mechanism);
-    mechanism.linearize(c, joints, seed, at, &mut work);
-    // The starting pose tells on which side of the singularities the mechanism works. With more than six rows
-    // there is no such sign.
-    let side = if work.motion.nrows() == 6 { work.motion.determinant().signum() } else { 0.0 };
-    follow_joints(
+    forward_by_rows(
         joints,
         seed,
         || mechanism.inverse(c, seed, at),
-        side,
-        |joints, seed| {
-            let problem = ClosureProblem { mechanism, c, joints, at, work: &mut work };
-            newton(problem, *seed, NewtonOptions::default())
+        |joints, pose| {
+            mechanism.linearize(c, joints, pose, at, &mut work);
+            (work.residual.clone(), work.motion.clone())
         },
     )
+}
+
+/// The pose that a mechanism takes when its controlled coordinates are those of `pose`, and its joints. Mechanisms that
+/// control all six take every pose as it is.
+///
+/// # Errors
+/// [`KinematicsError`] if there is none.
+pub fn settled<M: Mechanism + ?Sized>(
+    mechanism: &M,
+    c: &[f64],
+    pose: &Pose,
+    at: &Conditions,
+) -> Result<(Pose, Vec<f64>), KinematicsError> {
+    let joints = mechanism.inverse(c, pose, at)?;
+    if mechanism.controlled() == [true; 6] {
+        return Ok((*pose, joints));
+    }
+    Ok((mechanism.forward(c, &joints, at, pose)?, joints))
 }
 
 /// Motion (6 × L) at a pose, per unit of each parameter: of the platform point `pivot` (platform frame, m), and the
@@ -145,9 +173,9 @@ pub fn motion_of_point(
     pivot: &Vector3<f64>,
 ) -> Result<DMatrix<f64>, KinematicsError> {
     let (c, at) = (mechanism.values(), Conditions::unknown());
-    let joints = mechanism.inverse(c, pose, &at)?;
+    let (pose, joints) = settled(mechanism, c, pose, &at)?;
     let mut block = MotionBlock::sized_for(mechanism);
-    mechanism.motion_block(c, &joints, pose, &at, &mut block)?;
+    mechanism.motion_block(c, &joints, &pose, &at, &mut block)?;
     let mut seen = Matrix6::identity();
     seen.fixed_view_mut::<3, 3>(0, 3).copy_from(&-(pose.rotation * pivot).cross_matrix());
     let moved = seen * block.parameters;

@@ -21,8 +21,10 @@
 //! them, identification; the suite [`crate::conformance`] compares every derivative with differences.
 
 mod characteristics;
+pub mod closure;
 mod error;
 mod kinematics;
+pub mod kinds;
 mod parameter;
 mod six_hardpoint;
 mod six_legs;
@@ -36,7 +38,9 @@ use nalgebra::{DMatrix, DVector, Matrix6xX};
 
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 pub use error::{GeometryError, KinematicsError};
-pub use kinematics::{follow_joints, forward_by_closure, motion_block_by_closure, motion_of_point};
+pub use kinematics::{
+    follow_joints, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point, settled,
+};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};
@@ -75,6 +79,19 @@ pub trait Mechanism: Any + Debug + Send + Sync {
 
     /// Number `m ≥ 6` of closure equations.
     fn equations(&self) -> usize;
+
+    /// Which coordinates x, y, z, α, β, γ of the pose, in the mechanism's own frames, the joints control. The others
+    /// follow from the closure; [`inverse`](Self::inverse) does not look at them.
+    fn controlled(&self) -> [bool; 6] {
+        [true; 6]
+    }
+
+    /// The same mechanism as an instrument sees it: with the base at `base` in the instrument's frame and the target at
+    /// `target` on the platform. `None` if the parameters can be carried into these frames instead, because base and
+    /// platform are made of their points alone.
+    fn mounted(&self, _base: &Pose, _target: &Pose) -> Option<Box<dyn Mechanism>> {
+        None
+    }
 
     /// The closure residual and its three Jacobians at a pose, in one pass.
     ///

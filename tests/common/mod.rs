@@ -1,6 +1,7 @@
 //! What the integration tests share: the bundled case and small helpers.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
+pub mod kinds;
 pub mod planar;
 
 use paracal::files::{Machine, Measurement, read_measurement};

@@ -1,0 +1,359 @@
+//! The mechanism that a closure makes.
+
+use nalgebra::{Matrix3, Matrix6};
+
+use super::evaluation::{Derivatives, Place, Wanted, derivatives};
+use super::inverse::{Root, Rows, root};
+use super::passive::{eliminated, solved};
+use super::pattern::Pattern;
+use super::{Closure, Outline};
+use crate::conditions::Conditions;
+use crate::mechanism::{
+    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterSpec, characteristic_length,
+    condition, forward_by_rows,
+};
+use crate::pose::Pose;
+
+/// A home pose with a worse condition does not hold its platform.
+const WORST_CONDITION: f64 = 1e7;
+
+/// A [`Mechanism`] whose closure is a [`Closure`].
+///
+/// Parameters may be left out of the identification ([`identifying`](Self::identifying)); they keep their values. A
+/// mechanism may be [`mounted`](Mechanism::mounted) in the frames of a measurement; its parameters stay those of
+/// the drawing.
+#[derive(Clone, Debug)]
+pub struct ClosureMechanism<C> {
+    closure: C,
+    outline: Outline,
+    /// All parameters, identified or not.
+    all: Vec<f64>,
+    /// Which of them are identified.
+    free: Vec<usize>,
+    specs: Vec<ParameterSpec>,
+    values: Vec<f64>,
+    pattern: Pattern,
+    joint_pattern: Pattern,
+    /// Base in the tracker's frame and target on the platform.
+    mounting: Option<(Pose, Pose)>,
+    /// Home and its joints, in the mechanism's own frames.
+    home: Root,
+    /// Home in the frames of the measurement.
+    outer_home: Pose,
+    size: f64,
+    /// Closure equations without passive ones.
+    equations: usize,
+}
+
+impl<C: Closure> ClosureMechanism<C> {
+    /// The mechanism of a closure.
+    ///
+    /// # Errors
+    /// [`GeometryError`] if the outline contradicts itself or [`Closure::depends`], if the loops do not close at home,
+    /// or if the joints do not hold the platform there.
+    pub fn new(closure: C, outline: Outline) -> Result<Self, GeometryError> {
+        let nominal: Vec<f64> = outline.parameters.iter().map(|p| p.nominal).collect();
+        let all: Vec<usize> = (0..nominal.len()).collect();
+        Self::make(closure, outline, nominal, all, None)
+    }
+
+    /// The same mechanism of which only some parameters are identified; the others keep their values.
+    ///
+    /// # Errors
+    /// [`GeometryError::Outline`] if no parameter is left.
+    pub fn identifying(&self, keep: impl Fn(&ParameterSpec) -> bool) -> Result<Self, GeometryError> {
+        let free = (0..self.all.len()).filter(|k| keep(&self.outline.parameters[*k])).collect();
+        Self::make(self.closure.clone(), self.outline.clone(), self.all.clone(), free, self.mounting)
+    }
+
+    /// Its outline, with the nominal values of all parameters.
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
+    /// The values of all parameters in the order of the outline, identified or not.
+    pub fn all_values(&self) -> &[f64] {
+        &self.all
+    }
+
+    /// The closure.
+    pub fn closure(&self) -> &C {
+        &self.closure
+    }
+
+    fn make(
+        closure: C,
+        outline: Outline,
+        all: Vec<f64>,
+        free: Vec<usize>,
+        mounting: Option<(Pose, Pose)>,
+    ) -> Result<Self, GeometryError> {
+        check(&outline, &all, &free)?;
+        let pattern = Pattern::of(&closure, &outline, &free);
+        let joint_pattern = Pattern::of(&closure, &outline, &[]);
+        let specs: Vec<ParameterSpec> = free.iter().map(|k| outline.parameters[*k].clone()).collect();
+        let values = free.iter().map(|k| all[*k]).collect();
+        let home = Root { pose: outline.home, joints: outline.home_joints.clone() };
+        let mut made = Self {
+            equations: outline.equations - outline.passive.len(),
+            outer_home: outline.home,
+            closure,
+            outline,
+            all,
+            free,
+            specs,
+            values,
+            pattern,
+            joint_pattern,
+            mounting,
+            home,
+            size: 1.0,
+        };
+        made.size = characteristic_length(&made);
+        made.check_dependence()?;
+        let start = made.home.pose;
+        made.settle_home(&start)?;
+        let (c, joints, at) = (made.values.clone(), made.home.joints.clone(), Conditions::unknown());
+        let condition = condition(&made, &c, &joints, &made.outer_home, &at);
+        if !(condition < WORST_CONDITION) {
+            return Err(GeometryError::SingularHome { condition });
+        }
+        Ok(made)
+    }
+
+    /// Moves home to the root at which its controlled coordinates are those of `pose` (the mechanism's own frames).
+    fn settle_home(&mut self, pose: &Pose) -> Result<(), GeometryError> {
+        self.home = self.root_at(&self.all, pose, &Conditions::unknown()).map_err(GeometryError::ClosureAtHome)?;
+        self.outer_home = self.outer(&self.home.pose);
+        Ok(())
+    }
+
+    /// A row that depends on a column although it says it does not would give wrong derivatives.
+    fn check_dependence(&self) -> Result<(), GeometryError> {
+        let dense = Pattern {
+            colour: (0..self.pattern.colour.len()).collect(),
+            rows: vec![(0..self.outline.equations).collect(); self.pattern.colour.len()],
+            colours: self.pattern.colour.len(),
+        };
+        let place = Place {
+            pose: &self.home.pose,
+            joints: &self.home.joints,
+            parameters: &self.all,
+            passive: &self.outline.passive,
+            at: &Conditions::unknown(),
+        };
+        let d = derivatives(&self.closure, &dense, &self.free, self.outline.equations, &place, Wanted::All);
+        for (column, rows) in self.pattern.rows.iter().enumerate() {
+            let name = match column.checked_sub(self.free.len()) {
+                None => &self.specs[column].name,
+                Some(joint) => &self.outline.joints[joint].name,
+            };
+            let hidden = |row: &usize| !rows.contains(row) && d.columns[(*row, column)] != 0.0;
+            if let Some(row) = (0..self.outline.equations).find(hidden) {
+                let value = d.columns[(row, column)];
+                return Err(GeometryError::HiddenDependence { row: row + 1, column: name.clone(), value });
+            }
+        }
+        Ok(())
+    }
+
+    fn inner(&self, pose: &Pose) -> Pose {
+        match &self.mounting {
+            Some((base, target)) => base.inverse().compose(pose).compose(&target.inverse()),
+            None => *pose,
+        }
+    }
+
+    fn outer(&self, pose: &Pose) -> Pose {
+        match &self.mounting {
+            Some((base, target)) => base.compose(pose).compose(target),
+            None => *pose,
+        }
+    }
+
+    /// Small motion of the platform in its own frames per small motion as it is measured.
+    fn inner_motion(&self, pose: &Pose, inner: &Pose) -> Option<Matrix6<f64>> {
+        let (base, _) = self.mounting.as_ref()?;
+        let back: Matrix3<f64> = *base.rotation.inverse().matrix();
+        let arm = base.place(&inner.position) - pose.position;
+        let mut m = Matrix6::zeros();
+        m.fixed_view_mut::<3, 3>(0, 0).copy_from(&back);
+        m.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-back * arm.cross_matrix()));
+        m.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
+        Some(m)
+    }
+
+    fn with_parameters(&self, c: &[f64]) -> Vec<f64> {
+        let mut all = self.all.clone();
+        for (k, value) in self.free.iter().zip(c) {
+            all[*k] = *value;
+        }
+        all
+    }
+
+    /// Rows without passive coordinates, in the mechanism's own frames; NaN where the passive coordinates have no root.
+    fn rows_at(
+        &self,
+        all: &[f64],
+        joints: &[f64],
+        pose: &Pose,
+        at: &Conditions,
+        (pattern, free, wanted): (&Pattern, &[usize], Wanted),
+    ) -> Derivatives {
+        let mut place = Place { pose, joints, parameters: all, passive: &[], at };
+        let z = if self.outline.passive.is_empty() {
+            Some(Vec::new())
+        } else {
+            solved(&self.closure, &self.outline, &self.joint_pattern, &place)
+        };
+        let lost = vec![f64::NAN; self.outline.passive.len()];
+        place.passive = z.as_deref().unwrap_or(&lost);
+        eliminated(derivatives(&self.closure, pattern, free, self.outline.equations, &place, wanted))
+    }
+
+    fn root_at(&self, all: &[f64], pose: &Pose, at: &Conditions) -> Result<Root, KinematicsError> {
+        let dependent: Vec<usize> = (0..6).filter(|k| !self.outline.controlled[*k]).collect();
+        root(&AtParameters { mechanism: self, all, at }, pose, &dependent, &self.home, self.size)
+    }
+}
+
+fn check(outline: &Outline, all: &[f64], free: &[usize]) -> Result<(), GeometryError> {
+    let wrong = |problem: String| Err(GeometryError::Outline(problem));
+    let (m, p) = (outline.equations, outline.passive.len());
+    if m < 6 + p {
+        return wrong(format!(
+            "{m} closure equations cannot hold a platform with {p} passive coordinates; state at least {} (structural rows count)",
+            6 + p
+        ));
+    }
+    if free.is_empty() || outline.joints.is_empty() {
+        return wrong("there is no parameter to identify, or no joint".into());
+    }
+    if outline.home_joints.len() != outline.joints.len() {
+        return wrong(format!("{} joints and {} joint coordinates near home", outline.joints.len(), outline.home_joints.len()));
+    }
+    for (k, spec) in outline.parameters.iter().enumerate() {
+        if outline.parameters[..k].iter().any(|s| s.name == spec.name) {
+            return wrong(format!("two parameters are called {}", spec.name));
+        }
+        if !all[k].is_finite() {
+            return wrong(format!("{} is {}; a mechanism needs a number", spec.name, all[k]));
+        }
+    }
+    let numbers = outline.home_joints.iter().chain(&outline.passive);
+    if !outline.home.is_finite() || numbers.clone().any(|v| !v.is_finite()) {
+        return wrong("home is not made of finite numbers".into());
+    }
+    Ok(())
+}
+
+/// The closure with its parameters held.
+struct AtParameters<'a, C> {
+    mechanism: &'a ClosureMechanism<C>,
+    all: &'a [f64],
+    at: &'a Conditions,
+}
+
+impl<C: Closure> Rows for AtParameters<'_, C> {
+    fn equations(&self) -> usize {
+        self.mechanism.equations
+    }
+
+    fn rows(&self, joints: &[f64], pose: &Pose) -> Derivatives {
+        let m = self.mechanism;
+        m.rows_at(self.all, joints, pose, self.at, (&m.joint_pattern, &[], Wanted::All))
+    }
+}
+
+impl<C: Closure> Mechanism for ClosureMechanism<C> {
+    fn name(&self) -> &str {
+        &self.outline.name
+    }
+
+    fn parameters(&self) -> &[ParameterSpec] {
+        &self.specs
+    }
+
+    fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
+        if c.len() != self.values.len() {
+            return Err(GeometryError::ParameterCount { expected: self.values.len(), found: c.len() });
+        }
+        if let Some(k) = c.iter().position(|v| !v.is_finite()) {
+            return Err(GeometryError::Outline(format!("{} is {}; a mechanism needs a number", self.specs[k].name, c[k])));
+        }
+        let mut other = self.clone();
+        other.all = self.with_parameters(c);
+        other.values = c.to_vec();
+        let inner = self.inner(&home);
+        // The branch is that of the old home; values with which it cannot be reached are refused where they are used.
+        if other.settle_home(&inner).is_err() {
+            other.home.pose = inner;
+        }
+        other.outer_home = home;
+        Ok(Box::new(other))
+    }
+
+    fn joints(&self) -> &[JointSpec] {
+        &self.outline.joints
+    }
+
+    fn home(&self) -> Pose {
+        self.outer_home
+    }
+
+    fn equations(&self) -> usize {
+        self.equations
+    }
+
+    fn controlled(&self) -> [bool; 6] {
+        self.outline.controlled
+    }
+
+    fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
+        let mut other = self.clone();
+        let (old_base, old_target) = self.mounting.unwrap_or((Pose::identity(), Pose::identity()));
+        other.mounting = Some((base.compose(&old_base), old_target.compose(target)));
+        other.outer_home = base.compose(&self.outer_home).compose(target);
+        Some(Box::new(other))
+    }
+
+    fn linearize(&self, c: &[f64], joints: &[f64], pose: &Pose, at: &Conditions, out: &mut Linearization) {
+        let inner = self.inner(pose);
+        let all = self.with_parameters(c);
+        let d = self.rows_at(&all, joints, &inner, at, (&self.pattern, &self.free, Wanted::All));
+        out.residual.copy_from(&d.residual);
+        match self.inner_motion(pose, &inner) {
+            Some(motion) => out.motion.copy_from(&(&d.motion * motion)),
+            None => out.motion.copy_from(&d.motion),
+        }
+        let (parameters, joints) = (self.free.len(), joints.len());
+        out.parameters.copy_from(&d.columns.columns(0, parameters));
+        out.joints.copy_from(&d.columns.columns(parameters, joints));
+    }
+
+    fn inverse(&self, c: &[f64], pose: &Pose, at: &Conditions) -> Result<Vec<f64>, KinematicsError> {
+        if !pose.is_finite() {
+            return Err(KinematicsError::NotFinite { what: "the pose".into() });
+        }
+        Ok(self.root_at(&self.with_parameters(c), &self.inner(pose), at)?.joints)
+    }
+
+    fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError> {
+        let expected = self.outline.joints.len();
+        if joints.len() != expected {
+            return Err(KinematicsError::JointCount { expected, found: joints.len() });
+        }
+        let all = self.with_parameters(c);
+        let rows = |joints: &[f64], pose: &Pose| {
+            let d = self.rows_at(&all, joints, pose, at, (&self.joint_pattern, &[], Wanted::Motion));
+            (d.residual, d.motion)
+        };
+        let seed = self.inner(seed);
+        let found = forward_by_rows(joints, &seed, || Ok(self.root_at(&all, &seed, at)?.joints), rows)?;
+        Ok(self.outer(&found))
+    }
+}

@@ -1,0 +1,138 @@
+//! Mechanisms from one function: the closure residual `g(q, h, C)`.
+//!
+//! Whoever can write down how the loops of a machine close has a [`Mechanism`](super::Mechanism). [`Closure`] asks for
+//! that one function, written once for any scalar; [`ClosureMechanism`] evaluates it with dual numbers and gets
+//!
+//! | from | by |
+//! |---|---|
+//! | `J₁`, `J₂`, `∂g/∂h` to machine precision | forward-mode dual numbers in lanes of eight |
+//! | forward kinematics | Newton on `g` (six rows), least squares on `g` (more) |
+//! | inverse kinematics | least squares in the joints, from home and along the branch of home |
+//! | `J_b` | `-J₁⁺ J₂` |
+//!
+//! ```
+//! use paracal::mechanism::closure::{Closure, Real, State};
+//!
+//! /// Three telescopic legs in the plane z = 0.
+//! #[derive(Clone, Debug)]
+//! struct Planar;
+//!
+//! impl Closure for Planar {
+//!     fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
+//!         for leg in 0..3 {
+//!             let c = &s.parameters[4 * leg..4 * leg + 4];
+//!             let zero = T::from(0.0);
+//!             let tip = s.place(&[c[0], c[1], zero].into());
+//!             out[leg] = (tip - nalgebra::Vector3::new(c[2], c[3], zero)).dot(&(tip - nalgebra::Vector3::new(c[2], c[3], zero))).sqrt() - s.joints[leg];
+//!         }
+//!         // Structural rows: the platform stays in the plane.
+//!         out[3] = s.position.z;
+//!         out[4] = s.rotation[(0, 2)];
+//!         out[5] = s.rotation[(1, 2)];
+//!     }
+//! }
+//! ```
+//!
+//! **Lower mobility.** A machine with fewer joints than six states its structural constraints as further rows and says
+//! in [`Outline::controlled`] which coordinates of the pose its joints control. The others follow from the closure.
+//!
+//! **Passive coordinates** `z` (the tilt of an offset joint, the coupler of a linkage) may appear in the residual.
+//! They are solved for and eliminated: with `Q` from the QR decomposition of `∂g/∂z`, the rows `Q⊥ᵀ g` do not depend
+//! on them to first order, and they are the closure equations that the rest of the library sees.
+//!
+//! **Sparsity.** A row rarely depends on the parameters of another leg. [`Closure::depends`] may say so; columns that
+//! share no row then travel in one lane (Curtis, Powell and Reid 1974), which makes the derivatives of a closure of six
+//! legs about as cheap as those of one leg. What it says is checked when the mechanism is made.
+
+mod evaluation;
+mod inverse;
+mod made;
+mod outline;
+mod passive;
+mod pattern;
+
+use std::fmt::Debug;
+
+use nalgebra::{Matrix3, Vector3};
+use num_dual::DualNum;
+
+pub use made::ClosureMechanism;
+pub use outline::Outline;
+
+use crate::conditions::Conditions;
+
+/// A scalar that a closure computes with: `f64`, or a dual number that carries derivatives.
+///
+/// Arithmetic with `f64` on the right, `T::from(1.0)`, `sqrt`, `sin_cos` and their kin are at hand; what the closure
+/// does may depend on [`re`](DualNum::re), the value.
+pub trait Real: DualNum<f64> + Copy {}
+
+impl<T: DualNum<f64> + Copy> Real for T {}
+
+/// Where a closure is evaluated, SI.
+#[derive(Debug)]
+pub struct State<'a, T: Real> {
+    /// Position of the platform's origin in the base frame.
+    pub position: Vector3<T>,
+    /// Rotation from the platform frame to the base frame.
+    pub rotation: Matrix3<T>,
+    /// Joint coordinates `h`.
+    pub joints: &'a [T],
+    /// Parameters `C`, in the order of the [`Outline`].
+    pub parameters: &'a [T],
+    /// Passive coordinates `z`.
+    pub passive: &'a [T],
+    /// Operating state.
+    pub conditions: &'a Conditions,
+}
+
+impl<T: Real> State<'_, T> {
+    /// Where the platform point `a` stands in the base frame.
+    #[inline]
+    pub fn place(&self, a: &Vector3<T>) -> Vector3<T> {
+        let r = &self.rotation;
+        let row = |i: usize| r[(i, 0)] * a.x + r[(i, 1)] * a.y + r[(i, 2)] * a.z + self.position[i];
+        Vector3::new(row(0), row(1), row(2))
+    }
+
+    /// The three parameters from `first` on as a point.
+    #[inline]
+    pub fn point(&self, first: usize) -> Vector3<T> {
+        Vector3::new(self.parameters[first], self.parameters[first + 1], self.parameters[first + 2])
+    }
+}
+
+/// The length of a vector.
+#[inline]
+pub fn length<T: Real>(v: &Vector3<T>) -> T {
+    (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()
+}
+
+/// The scalar product with a constant vector.
+#[inline]
+pub fn along<T: Real>(v: &Vector3<T>, constant: &Vector3<f64>) -> T {
+    v.x * constant.x + v.y * constant.y + v.z * constant.z
+}
+
+/// What a row of the closure may depend on beside the pose and the passive coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// A parameter, by its place in the [`Outline`].
+    Parameter(usize),
+    /// A joint.
+    Joint(usize),
+}
+
+/// The closure equations of a mechanism.
+pub trait Closure: Clone + Debug + Send + Sync + 'static {
+    /// `g(q, h, C)`: writes one number for each closure equation; all are zero when the loops close.
+    ///
+    /// Rows should be lengths (m), so that a residual means the same in each. `out` has
+    /// [`Outline::equations`] entries.
+    fn residual<T: Real>(&self, state: &State<'_, T>, out: &mut [T]);
+
+    /// Whether a row may depend on a column. Everything may, unless this says otherwise.
+    fn depends(&self, _row: usize, _on: Column) -> bool {
+        true
+    }
+}

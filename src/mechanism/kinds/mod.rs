@@ -1,0 +1,66 @@
+//! Kinds of mechanism that are made from one closure function each.
+//!
+//! | kind | rows of the closure | joints | parameters of a leg |
+//! |---|---|---|---|
+//! | [`RotaryStewart`] (6-RSS) | `\|t + R aᵢ - bᵢ - rᵢ (cos φᵢ uᵢ + sin φᵢ vᵢ)\| - sᵢ`, `φᵢ = hᵢ + oᵢ` | six crank angles | `a b s r o` |
+//! | [`LinearDelta`] | `\|t + R aᵢ - bᵢ - h_k d_k\| - sᵢ` for six rods, two to a carriage `k` | three carriages | `a b s` |
+//! | [`Tripod`] (3-RPS) | `\|lᵢ\| - (hᵢ + oᵢ)` and `nᵢ · lᵢ`, `lᵢ = t + R aᵢ - bᵢ` | three lengths | `a b o` and the tilt `m n` of the hinge |
+//! | [`PlanarCables`] | `Σ_k w_jk (\|l_k\| - \|l_k\|₀) - (ρ_j h_j + o_j)` and the plane | cables, or angles of their drums | `a b` of a segment, `o ρ` of a cable |
+//!
+//! The rods of a delta are six, and its pose is that of a free body: rods that are not quite parallel tilt the platform,
+//! which a model with three rods cannot say. The last two kinds are of lower mobility; structural rows keep the
+//! other coordinates. Directions (`u`, `v`, `d`, the nominal `n`) are constants of the drawing.
+//!
+//! Every kind has a `new` that takes typed legs in SI and gives a [`ClosureMechanism`].
+
+mod linear_delta;
+mod planar_cables;
+mod rotary_stewart;
+mod tripod;
+
+pub use linear_delta::{LinearDelta, Rod};
+pub use planar_cables::{Cable, PlanarCables, Segment};
+pub use rotary_stewart::{CrankLeg, RotaryStewart};
+pub use tripod::{HingedLeg, Tripod};
+
+use nalgebra::Vector3;
+
+use super::GeometryError;
+
+#[allow(unused_imports)] // named in the page above
+use super::closure::ClosureMechanism;
+
+/// 1σ of manufacture of the parameters of a kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerances {
+    /// Of a coordinate of an anchor, m.
+    pub anchor: f64,
+    /// Of a length: rods, cranks, drums, offsets of linear joints, m.
+    pub length: f64,
+    /// Of an angle: offsets of cranks, tilts of hinges, rad.
+    pub angle: f64,
+}
+
+/// A direction of length one.
+fn unit(leg: usize, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>, GeometryError> {
+    match v.try_normalize(1e-12) {
+        Some(unit) if unit.iter().all(|x| x.is_finite()) => Ok(unit),
+        _ => Err(GeometryError::Outline(format!("leg {}: `{what}` [{}, {}, {}] is no direction", leg + 1, v.x, v.y, v.z))),
+    }
+}
+
+/// Refuses anything but a positive length.
+fn positive(leg: usize, what: &str, value: f64) -> Result<(), GeometryError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(GeometryError::Outline(format!("leg {}: `{what}` must be positive, found {value}", leg + 1)))
+}
+
+/// Refuses a wrong number of legs.
+fn count(kind: &str, what: &str, expected: usize, found: usize) -> Result<(), GeometryError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(GeometryError::Outline(format!("a {kind} has {expected} {what}, found {found}")))
+}
