@@ -50,7 +50,8 @@ impl Default for CalibrationOptions {
 pub struct Calibration {
     /// The calibrated mechanism, in the frames of the measurement.
     pub mechanism: Box<dyn Mechanism>,
-    /// Its parameters, then those of the measurement, in the frames of the measurement.
+    /// Its parameters, then those of the measurement, in the frames of the measurement; those of a mechanism that is
+    /// mounted in them ([`Mechanism::mounted`]) in the frames of its drawing.
     pub parameters: Vec<Estimate>,
     /// Covariance of the mechanism's parameters, in the same frames.
     pub covariance: DMatrix<f64>,
@@ -108,9 +109,17 @@ pub fn calibrate(
         task.convention = Convention::Free;
         (found, converged) = identify(&task)?;
     }
-    let (parameters, covariance) = carry(mechanism, &found, &frames);
+    // Mounted in the frames of the measurement a mechanism keeps the parameters of its drawing; others carry them there.
+    let fitted = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
+    let mounted = fitted.mounted(&frames.base, &frames.target).filter(|_| !frames.is_identity());
+    let is_mounted = mounted.is_some();
+    let carried = if is_mounted { Frames::default() } else { frames };
+    let (parameters, covariance) = carry(mechanism, &found, &carried);
     let values: Vec<f64> = parameters[..found.mechanism_parameters].iter().map(|p| p.value).collect();
-    let calibrated = mechanism.with_values(&values, frames.measured(&mechanism.home()))?;
+    let calibrated = match mounted {
+        Some(mounted) => mounted,
+        None => mechanism.with_values(&values, frames.measured(&mechanism.home()))?,
+    };
     let own = found.own_values();
     let held = match &options.holdout {
         Holdout::Data(other) => {
@@ -135,7 +144,11 @@ pub fn calibrate(
         held_out: held,
         predicted: predict(mechanism, &found, workspace, &frames, options)?,
         weak: weak_directions(mechanism, &spectrum),
-        plausibility: plausibility(mechanism, &values),
+        plausibility: if is_mounted {
+            plausibility(mechanism, &values).seen_from(&frames)
+        } else {
+            plausibility(mechanism, &values)
+        },
         workspace: workspace.map(|w| carried_workspace(w, &frames)),
         verdict,
         mechanism: calibrated,

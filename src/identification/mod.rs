@@ -33,6 +33,7 @@ mod plausibility;
 mod prediction;
 mod prior;
 mod problem;
+mod redundancy;
 mod registration;
 mod result;
 mod robust;

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::measurement::Frames;
 use crate::mechanism::{Body, Mechanism, ParameterRole};
 use crate::pose::{Pose, fit_rigid_motion};
 
@@ -27,6 +28,15 @@ pub struct Plausibility {
     pub leg_offsets: Vec<f64>,
     /// Parameters beyond four tolerances after that.
     pub implausible: Vec<Implausible>,
+}
+
+impl Plausibility {
+    /// The same for a mechanism that is mounted in these frames.
+    pub(super) fn seen_from(mut self, frames: &Frames) -> Self {
+        self.base = frames.base.compose(&self.base);
+        self.target = self.target.compose(&frames.target);
+        self
+    }
 }
 
 /// Deviations up to this many tolerances are plausible.

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix6};
+use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX};
 
+use super::redundancy::Redundancy;
 use super::whitening::Whitening;
 use super::{IdentifyError, Prior, Task};
 use crate::measurement::{Dataset, RowKind, Rows};
@@ -34,6 +35,8 @@ pub struct CalibrationProblem<'a> {
     whitening: Vec<Whitening>,
     /// Square root of the weight of each sample; one but for robust fits.
     sample_weights: Vec<f64>,
+    /// Rows that more than six closure equations add to each sample.
+    redundancy: Option<Redundancy>,
     poses: Vec<Pose>,
     /// Poses at the start.
     first_poses: Vec<Pose>,
@@ -55,7 +58,11 @@ impl<'a> CalibrationProblem<'a> {
             return Err(IdentifyError::Empty);
         }
         let own = data.model().own_parameters().len();
-        let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| data.rows(k)).collect();
+        let redundancy = Redundancy::of(mechanism, data.noise.joint);
+        // Closure residuals are lengths.
+        let extra = vec![RowKind::Position; redundancy.as_ref().map_or(0, Redundancy::rows)];
+        let kinds: Vec<Vec<RowKind>> =
+            (0..data.len()).map(|k| [data.rows(k), extra.clone()].concat()).collect();
         let (specs, c) = (mechanism.parameters().len(), mechanism.values());
         let mut problem = Self {
             mechanism,
@@ -68,7 +75,8 @@ impl<'a> CalibrationProblem<'a> {
             first_poses: Vec::new(),
             start: DVector::from_column_slice(c),
             block: MotionBlock::sized_for(mechanism),
-            rows: Rows::sized(kinds[0].len(), own),
+            rows: Rows::sized(kinds[0].len() - extra.len(), own),
+            redundancy,
             kinds,
         };
         problem.poses = start_poses(mechanism, data)?;
@@ -97,7 +105,13 @@ impl<'a> CalibrationProblem<'a> {
             // The closure residual has covariance J1 Σq J1ᵀ + Jj Σj Jjᵀ; seen from the reading the second term
             // is H (J1⁻¹ Jj) Σj (J1⁻¹ Jj)ᵀ Hᵀ.
             self.evaluate_sample(k, &self.start.clone()).map_err(|cause| sample_error(self.data, k, cause))?;
-            let seen = &self.rows.motion * &self.block.joints;
+            let mut seen = &self.rows.motion * &self.block.joints;
+            if let Some(extra) = &self.redundancy {
+                let (k, e) = (seen.nrows(), extra.rows());
+                covariance = covariance.resize(k + e, k + e, 0.0);
+                seen = seen.insert_rows(k, e, 0.0);
+                seen.rows_mut(k, e).copy_from(&extra.joints);
+            }
             covariance += &seen * seen.transpose() * (joint * joint);
         }
         Ok(covariance)
@@ -190,14 +204,31 @@ impl<'a> CalibrationProblem<'a> {
         self.poses[k] = pose;
         self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
         let (model, index) = self.data.reading(k);
-        let n = self.kinds[k].len();
+        let n = self.kinds[k].len() - self.redundancy.as_ref().map_or(0, Redundancy::rows);
         if self.rows.residual.len() != n {
             self.rows = Rows::sized(n, own.len());
         }
         self.rows.clear();
         model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows);
+        if let Some(extra) = &mut self.redundancy {
+            extra.evaluate(self.mechanism, c, k, sample, &pose);
+        }
         Ok(())
     }
+}
+
+/// Residual and all derivatives of a sample (columns) of a redundant mechanism: rows of the reading, then those of the
+/// closure.
+fn stacked_with(rows: &Rows, block: &Matrix6xX<f64>, extra: &Redundancy) -> DMatrix<f64> {
+    let (k, e) = (rows.residual.len(), extra.rows());
+    let (specs, own) = (block.ncols(), rows.own.ncols());
+    let mut all = DMatrix::zeros(k + e, 1 + specs + own);
+    all.view_mut((0, 0), (k, 1)).copy_from(&rows.residual);
+    all.view_mut((0, 1), (k, specs)).copy_from(&(&rows.motion * block));
+    all.view_mut((0, 1 + specs), (k, own)).copy_from(&rows.own);
+    all.view_mut((k, 0), (e, 1)).copy_from(&extra.residual);
+    all.view_mut((k, 1), (e, specs)).copy_from(&extra.parameters);
+    all
 }
 
 /// Forward kinematics of each sample at the mechanism's values, from home or, if that fails, from the reading.
@@ -255,6 +286,14 @@ impl LeastSquaresProblem for CalibrationProblem<'_> {
                 .map_err(|cause| -> EvaluationError { Arc::new(sample_error(self.data, k, cause)) })?;
             let n = self.kinds[k].len();
             if n == 0 {
+                continue;
+            }
+            if let Some(extra) = &self.redundancy {
+                let all = stacked_with(&self.rows, &self.block.parameters, extra);
+                let white = self.whitening[k].to_matrix() * all * self.sample_weights[k];
+                residual.rows_mut(first, n).copy_from(&white.column(0));
+                jacobian.view_mut((first, 0), (n, specs + own)).copy_from(&white.columns(1, specs + own));
+                first += n;
                 continue;
             }
             // W H J_b with the small product first.

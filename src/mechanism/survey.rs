@@ -1,6 +1,6 @@
 //! What joints and conditioning do over a workspace.
 
-use super::{Mechanism, Workspace, condition};
+use super::{Mechanism, Workspace, condition, settled};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
@@ -34,19 +34,19 @@ impl Survey {
         let centre = workspace.pose(&[0.0; 6]);
         for pose in std::iter::once(&centre).chain(&workspace.corners()).chain(further) {
             survey.poses += 1;
-            let Ok(joints) = mechanism.inverse(c, pose, &at) else {
+            let Ok((pose, joints)) = settled(mechanism, c, pose, &at) else {
                 survey.unreachable += 1;
                 continue;
             };
             let back = mechanism.forward(c, &joints, &at, &mechanism.home());
-            if !back.is_ok_and(|p| p.motion_to(pose).amax() < 1e-6) {
+            if !back.is_ok_and(|p| p.motion_to(&pose).amax() < 1e-6) {
                 survey.unreachable += 1;
             }
             for (range, value) in survey.joint_range.iter_mut().zip(&joints) {
                 *range = [range[0].min(*value), range[1].max(*value)];
             }
             survey.outside_stroke += usize::from(!mechanism.within_strokes(&joints));
-            survey.worst_condition = survey.worst_condition.max(condition(mechanism, c, &joints, pose, &at));
+            survey.worst_condition = survey.worst_condition.max(condition(mechanism, c, &joints, &pose, &at));
         }
         survey
     }

@@ -7,7 +7,7 @@ use crate::conditions::Conditions;
 use crate::measurement::Noise;
 use crate::mechanism::{
     KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec, Workspace, characteristic_length,
-    motion_of_point,
+    motion_of_point, settled,
 };
 use crate::observability::{Block, Scaling};
 use crate::pose::{Pose, PoseConvention};
@@ -31,8 +31,6 @@ pub struct Campaign<'a> {
     size: f64,
     /// Sign of `det J₁` at home.
     side: f64,
-    structural: Vec<usize>,
-    dependent: Vec<usize>,
 }
 
 /// Why a pose is not measured.
@@ -92,18 +90,11 @@ impl<'a> Campaign<'a> {
             joint,
             size: characteristic_length(mechanism),
             side: 0.0,
-            structural: Vec::new(),
-            dependent: Vec::new(),
         };
         if let Ok((_, at_home)) = campaign.linearize(&mechanism.home()) {
             if at_home.motion.nrows() == 6 {
                 campaign.side = at_home.motion.determinant().signum();
             }
-            let without_joint = |row: &usize| at_home.joints.row(*row).iter().all(|v| *v == 0.0);
-            campaign.structural = (0..at_home.motion.nrows()).filter(without_joint).collect();
-        }
-        if !campaign.structural.is_empty() {
-            campaign.dependent = (0..6).filter(|k| workspace.half[*k] == 0.0).collect();
         }
         Ok(campaign)
     }
@@ -120,32 +111,14 @@ impl<'a> Campaign<'a> {
         Ok((joints, out))
     }
 
-    /// The pose with its dependent coordinates (workspace half-range 0) moved to where the structural rows of the
-    /// closure, those without a joint, hold.
+    /// The pose that the mechanism takes when its controlled coordinates are those of `pose`; `pose` itself if there is
+    /// none.
     pub fn settled(&self, pose: &Pose) -> Pose {
-        let convention = &self.workspace.convention;
-        let mut pose = *pose;
-        if self.dependent.is_empty() {
-            return pose;
+        if self.mechanism.controlled() == [true; 6] {
+            return *pose;
         }
-        for _ in 0..30 {
-            let Ok((_, rows)) = self.linearize(&pose) else { return pose };
-            let Some(back) = convention.rates(&pose).try_inverse() else { return pose };
-            let along = rows.motion * back;
-            let (m, n) = (self.structural.len(), self.dependent.len());
-            let jacobian = DMatrix::from_fn(m, n, |i, j| along[(self.structural[i], self.dependent[j])]);
-            let residual = DMatrix::from_fn(m, 1, |i, _| -rows.residual[self.structural[i]]);
-            let Ok(step) = jacobian.svd(true, true).solve(&residual, 1e-12) else { return pose };
-            let mut q = convention.coordinates(&pose);
-            for (k, d) in self.dependent.iter().zip(step.iter()) {
-                q[*k] += d;
-            }
-            pose = convention.pose(&q);
-            if step.amax() < 1e-13 * self.size.max(1.0) {
-                break;
-            }
-        }
-        pose
+        let (m, at) = (self.mechanism, Conditions::unknown());
+        settled(m, m.values(), pose, &at).map_or(*pose, |(taken, _)| taken)
     }
 
     /// Whether the platform can be measured at a pose: joints in their strokes, reached from home without passing a
@@ -155,8 +128,7 @@ impl<'a> Campaign<'a> {
     /// [`Infeasible`] with the reason.
     pub fn feasible(&self, pose: &Pose) -> Result<Block, Infeasible> {
         let (joints, rows) = self.linearize(pose).map_err(|_| Infeasible::Unreachable)?;
-        let structural = self.structural.iter().map(|k| rows.residual[*k].abs()).fold(0.0, f64::max);
-        if structural > 1e-9 * self.size.max(1.0) {
+        if !(rows.residual.amax() <= 1e-8 * self.size.max(1.0)) {
             return Err(Infeasible::Unreachable);
         }
         if !self.mechanism.within_strokes(&joints) {

@@ -9,7 +9,7 @@ use paracal::nalgebra::Vector3;
 use paracal::pose::{Pose, PoseConvention};
 use paracal::units::Dimension;
 
-pub const TOLERANCES: Tolerances = Tolerances { anchor: 0.5e-3, length: 0.5e-3, angle: 1e-3 };
+pub const TOLERANCES: Tolerances = Tolerances { anchor: 1e-4, length: 1e-4, angle: 3e-4 };
 
 fn around(radius: f64, degrees: f64, z: f64) -> Vector3<f64> {
     let angle = degrees.to_radians();

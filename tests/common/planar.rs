@@ -68,6 +68,9 @@ impl Mechanism for Planar {
     fn equations(&self) -> usize {
         6
     }
+    fn controlled(&self) -> [bool; 6] {
+        [true, true, false, false, false, true]
+    }
 
     fn linearize(&self, c: &[f64], joints: &[f64], pose: &Pose, _at: &Conditions, out: &mut Linearization) {
         out.motion.fill(0.0);
