@@ -4,9 +4,10 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
 use super::{Violation, violation};
+use crate::conditions::Conditions;
 use crate::identification::{Identification, Identifier, IdentifyError, PriorPolicy, Task, evaluate};
 use crate::measurement::{Dataset, Noise};
-use crate::mechanism::{Mechanism, Workspace};
+use crate::mechanism::{Mechanism, Workspace, settled};
 use crate::pose::Pose;
 use crate::simulation::{as_dataset, draw_parameters, monte_carlo, simulate};
 
@@ -36,7 +37,7 @@ pub fn identifier(
         mechanism,
         workspace,
         noise: *noise,
-        poses: (0..samples).map(|_| workspace.random(&mut rng)).collect(),
+        poses: reachable(mechanism, workspace, &mut rng, samples)?,
     };
     // A thousand times the noise: small enough that every mechanism converges.
     let sd = 1e3 * noise.position;
@@ -47,6 +48,18 @@ pub fn identifier(
     bench.order(truth.as_ref())?;
     bench.covariance(truth.as_ref())?;
     bench.refusals(truth.as_ref())
+}
+
+/// Poses of the workspace that the mechanism can take, with the coordinates that it does not control where they belong.
+fn reachable(m: &dyn Mechanism, w: &Workspace, rng: &mut ChaCha8Rng, count: usize) -> Result<Vec<Pose>, Violation> {
+    let mut poses = Vec::with_capacity(count);
+    for _ in 0..100 * count {
+        poses.extend(settled(m, m.values(), &w.random(rng), &Conditions::unknown()).map(|(pose, _)| pose));
+        if poses.len() == count {
+            return Ok(poses);
+        }
+    }
+    Err(violation("the workspace can be reached", format!("only {} of {} poses", poses.len(), 100 * count)))
 }
 
 struct Bench<'a> {
@@ -79,7 +92,7 @@ impl Bench<'_> {
         let model = self.mechanism.with_values(&found.mechanism_values(), self.mechanism.home());
         let model = model.map_err(|e| violation(LAW, e.to_string()))?;
         let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let others: Vec<Pose> = (0..50).map(|_| self.workspace.random(&mut rng)).collect();
+        let others = reachable(self.mechanism, self.workspace, &mut rng, 50)?;
         let errors = evaluate(model.as_ref(), &[], &self.data(truth, &others, false, 0)?)
             .map_err(|e| violation(LAW, e.to_string()))?
             .max();

@@ -61,8 +61,7 @@ impl<'a> CalibrationProblem<'a> {
         let redundancy = Redundancy::of(mechanism, data.noise.joint);
         // Closure residuals are lengths.
         let extra = vec![RowKind::Position; redundancy.as_ref().map_or(0, Redundancy::rows)];
-        let kinds: Vec<Vec<RowKind>> =
-            (0..data.len()).map(|k| [data.rows(k), extra.clone()].concat()).collect();
+        let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| [data.rows(k), extra.clone()].concat()).collect();
         let (specs, c) = (mechanism.parameters().len(), mechanism.values());
         let mut problem = Self {
             mechanism,

@@ -141,8 +141,10 @@ pub enum KinematicsError {
         reason: String,
     },
     /// The loops do not close.
-    #[error("no joints close the loops at this pose on the branch of home (the best attempt misses by {residual:.1e} m); \
-         take a pose nearer to home")]
+    #[error(
+        "no joints close the loops at this pose on the branch of home (the best attempt misses by {residual:.1e} m); \
+         take a pose nearer to home"
+    )]
     NoRoot {
         /// Largest closure residual of the best attempt, m.
         residual: f64,

@@ -23,8 +23,8 @@
 mod characteristics;
 pub mod closure;
 mod error;
-mod kinematics;
 pub mod kinds;
+mod kinematics;
 mod parameter;
 mod six_hardpoint;
 mod six_legs;

@@ -97,7 +97,8 @@ pub fn cables() -> ClosureMechanism<PlanarCables> {
     .map(|(platform, base)| Segment { platform, base })
     .into();
     let cable = |segments: &[usize], drum| Cable { segments: segments.into(), drum, offset: 0.0, stroke: None };
-    let cables = [cable(&[0], Some(0.03)), cable(&[1], Some(0.03)), cable(&[2], Some(0.03)), cable(&[3, 3], Some(0.04))];
+    let cables =
+        [cable(&[0], Some(0.03)), cable(&[1], Some(0.03)), cable(&[2], Some(0.03)), cable(&[3, 3], Some(0.04))];
     PlanarCables::new("planar cable robot", &segments, &cables, home, Some(TOLERANCES)).unwrap()
 }
 

@@ -1,17 +1,14 @@
 //! Values and derivatives of a closure by dual numbers, eight derivatives in one pass.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SVector, Vector3};
-use num_dual::{Derivative, DualSVec64};
+use std::cell::Cell;
 
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::lanes::{LANES, Lanes};
 use super::pattern::Pattern;
 use super::{Closure, State};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
-
-/// Derivatives that travel in one pass.
-const LANES: usize = 8;
-
-type Dual = DualSVec64<LANES>;
 
 /// Where a closure is evaluated.
 #[derive(Clone, Copy)]
@@ -35,14 +32,6 @@ pub(super) struct Derivatives {
     pub(super) passive: DMatrix<f64>,
 }
 
-/// What a lane carries.
-#[derive(Clone, Copy, PartialEq)]
-enum Direction {
-    Motion(usize),
-    Passive(usize),
-    Colour(usize),
-}
-
 /// Which derivatives are wanted.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Wanted {
@@ -54,12 +43,37 @@ pub(super) enum Wanted {
     All,
 }
 
-fn dual(value: f64, lane: Option<usize>) -> Dual {
-    let mut x = Dual::from_re(value);
-    if let Some(lane) = lane {
-        x = x.derivative(lane);
+/// Which direction travels where: motions first, then passive coordinates, then colours, eight to a pass.
+struct Plan {
+    motions: usize,
+    passives: usize,
+    colours: usize,
+}
+
+impl Plan {
+    fn passes(&self) -> usize {
+        (self.motions + self.passives + self.colours).div_ceil(LANES)
     }
-    x
+
+    /// The part of `first..first + count` that travels in a pass: lane of its first member, and the members.
+    fn part(first: usize, count: usize, pass: usize) -> (usize, std::ops::Range<usize>) {
+        let (from, to) = (pass * LANES, (pass + 1) * LANES);
+        let start = from.clamp(first, first + count);
+        let end = to.clamp(first, first + count);
+        (start.saturating_sub(from), start - first..end - first)
+    }
+
+    fn motion_part(&self, pass: usize) -> (usize, std::ops::Range<usize>) {
+        Self::part(0, self.motions, pass)
+    }
+
+    fn passive_part(&self, pass: usize) -> (usize, std::ops::Range<usize>) {
+        Self::part(self.motions, self.passives, pass)
+    }
+
+    fn colour_part(&self, pass: usize) -> (usize, std::ops::Range<usize>) {
+        Self::part(self.motions + self.passives, self.colours, pass)
+    }
 }
 
 /// The residual and its derivatives; matrices that are not wanted have no columns.
@@ -71,22 +85,26 @@ pub(super) fn derivatives<C: Closure>(
     place: &Place<'_>,
     wanted: Wanted,
 ) -> Derivatives {
-    let p = place.passive.len();
-    let motions = (wanted != Wanted::Passive).then_some(0..6).into_iter().flatten().map(Direction::Motion);
-    let passives = (wanted != Wanted::Motion || p > 0).then_some(0..p).into_iter().flatten().map(Direction::Passive);
-    let colours = (wanted == Wanted::All).then_some(0..pattern.colours).into_iter().flatten().map(Direction::Colour);
-    let directions: Vec<Direction> = motions.chain(passives).chain(colours).collect();
+    let plan = Plan {
+        motions: if wanted == Wanted::Passive { 0 } else { 6 },
+        passives: place.passive.len(),
+        colours: if wanted == Wanted::All { pattern.colours } else { 0 },
+    };
+    let columns = if wanted == Wanted::All { pattern.colour.len() } else { 0 };
     let mut out = Derivatives {
         residual: DVector::zeros(equations),
-        motion: DMatrix::zeros(equations, if wanted == Wanted::Passive { 0 } else { 6 }),
-        columns: DMatrix::zeros(equations, if wanted == Wanted::All { pattern.colour.len() } else { 0 }),
-        passive: DMatrix::zeros(equations, p),
+        motion: DMatrix::zeros(equations, plan.motions),
+        columns: DMatrix::zeros(equations, columns),
+        passive: DMatrix::zeros(equations, plan.passives),
     };
     let mut work = Work::new(place, equations);
-    for lanes in directions.chunks(LANES) {
-        work.seed(place, pattern, free, lanes);
+    for pass in 0..plan.passes() {
+        work.seed(place, pattern, free, &plan, pass, 1.0);
         work.run(closure, place.at);
-        work.collect(pattern, lanes, &mut out);
+        work.collect(pattern, &plan, pass, &mut out);
+        if pass + 1 < plan.passes() {
+            work.seed(place, pattern, free, &plan, pass, 0.0);
+        }
     }
     for (to, value) in out.residual.iter_mut().zip(&work.out) {
         *to = value.re;
@@ -94,90 +112,122 @@ pub(super) fn derivatives<C: Closure>(
     out
 }
 
-/// Dual numbers of one pass.
+/// Dual numbers of one evaluation.
 struct Work {
-    position: Vector3<Dual>,
-    rotation: Matrix3<Dual>,
-    joints: Vec<Dual>,
-    parameters: Vec<Dual>,
-    passive: Vec<Dual>,
-    out: Vec<Dual>,
+    position: Vector3<Lanes>,
+    rotation: Matrix3<Lanes>,
+    /// Joints, then parameters, then passive coordinates.
+    variables: Vec<Lanes>,
+    joints: usize,
+    parameters: usize,
+    out: Vec<Lanes>,
+}
+
+thread_local! {
+    /// Variables and rows of the evaluation before: their memory is used again.
+    static BEFORE: Cell<(Vec<Lanes>, Vec<Lanes>)> = const { Cell::new((Vec::new(), Vec::new())) };
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        BEFORE.set((std::mem::take(&mut self.variables), std::mem::take(&mut self.out)));
+    }
 }
 
 impl Work {
     fn new(place: &Place<'_>, equations: usize) -> Self {
-        let constant = |values: &[f64]| values.iter().map(|v| Dual::from_re(*v)).collect();
+        let (mut variables, mut out) = BEFORE.take();
+        variables.clear();
+        for part in [place.joints, place.parameters, place.passive] {
+            variables.extend(part.iter().map(|v| Lanes::constant(*v)));
+        }
+        out.clear();
+        out.resize(equations, Lanes::constant(0.0));
         Self {
-            position: place.pose.position.map(Dual::from_re),
-            rotation: place.pose.rotation.matrix().map(Dual::from_re),
-            joints: constant(place.joints),
-            parameters: constant(place.parameters),
-            passive: constant(place.passive),
-            out: vec![Dual::from_re(0.0); equations],
+            position: place.pose.position.map(Lanes::constant),
+            rotation: place.pose.rotation.matrix().map(Lanes::constant),
+            variables,
+            joints: place.joints.len(),
+            parameters: place.parameters.len(),
+            out,
         }
     }
 
-    fn seed(&mut self, place: &Place<'_>, pattern: &Pattern, free: &[usize], lanes: &[Direction]) {
-        let lane = |wanted: Direction| lanes.iter().position(|d| *d == wanted);
-        for k in 0..3 {
-            self.position[k] = dual(place.pose.position[k], lane(Direction::Motion(k)));
-        }
-        let r = place.pose.rotation.matrix();
-        let turns: [Option<usize>; 3] = std::array::from_fn(|k| lane(Direction::Motion(3 + k)));
-        for column in 0..3 {
-            let v = r.column(column);
+    /// Sets the derivatives of the variables of a pass, or with `on = 0` takes them away.
+    fn seed(&mut self, place: &Place<'_>, pattern: &Pattern, free: &[usize], plan: &Plan, pass: usize, on: f64) {
+        let (lane, motions) = plan.motion_part(pass);
+        for (k, lane) in motions.zip(lane..) {
+            if k < 3 {
+                self.position[k].eps[lane] = on;
+                continue;
+            }
             // d(R e) = ω × (R e)
-            let moved = [Vector3::new(0.0, -v[2], v[1]), Vector3::new(v[2], 0.0, -v[0]), Vector3::new(-v[1], v[0], 0.0)];
-            for row in 0..3 {
-                let mut eps = SVector::<f64, LANES>::zeros();
-                for (k, lane) in turns.iter().enumerate() {
-                    if let Some(lane) = lane {
-                        eps[*lane] = moved[k][row];
-                    }
-                }
-                let turning = turns.iter().any(Option::is_some);
-                let eps = if turning { Derivative::some(eps) } else { Derivative::none() };
-                self.rotation[(row, column)] = Dual::new(v[row], eps);
+            let (x, y) = ((k - 3 + 1) % 3, (k - 3 + 2) % 3);
+            let r = place.pose.rotation.matrix();
+            for column in 0..3 {
+                self.rotation[(x, column)].eps[lane] = -on * r[(y, column)];
+                self.rotation[(y, column)].eps[lane] = on * r[(x, column)];
             }
         }
-        for (k, value) in place.passive.iter().enumerate() {
-            self.passive[k] = dual(*value, lane(Direction::Passive(k)));
+        let (lane, passives) = plan.passive_part(pass);
+        let first = self.joints + self.parameters;
+        passives.zip(lane..).for_each(|(k, lane)| self.variables[first + k].eps[lane] = on);
+        let (lane, colours) = plan.colour_part(pass);
+        if colours.is_empty() {
+            return;
         }
-        let colours: Vec<Option<usize>> = (0..pattern.colours).map(|k| lane(Direction::Colour(k))).collect();
-        for (column, p) in free.iter().enumerate() {
-            self.parameters[*p] = dual(place.parameters[*p], colours[pattern.colour[column]]);
-        }
-        for (k, value) in place.joints.iter().enumerate() {
-            self.joints[k] = dual(*value, colours[pattern.colour[free.len() + k]]);
+        let places = free.iter().map(|p| self.joints + p).chain(0..self.joints);
+        for (variable, colour) in places.zip(&pattern.colour) {
+            if colours.contains(colour) {
+                self.variables[variable].eps[lane + colour - colours.start] = on;
+            }
         }
     }
 
     fn run<C: Closure>(&mut self, closure: &C, at: &Conditions) {
-        let state = State {
-            position: self.position,
-            rotation: self.rotation,
-            joints: &self.joints,
-            parameters: &self.parameters,
-            passive: &self.passive,
-            conditions: at,
-        };
-        closure.residual(&state, &mut self.out);
+        let (joints, rest) = self.variables.split_at(self.joints);
+        let (parameters, passive) = rest.split_at(self.parameters);
+        let state =
+            State { position: self.position, rotation: self.rotation, joints, parameters, passive, conditions: at };
+        pulp::Arch::new().dispatch(Pass { closure, state: &state, out: &mut self.out });
     }
 
-    fn collect(&self, pattern: &Pattern, lanes: &[Direction], out: &mut Derivatives) {
-        let eps = |row: usize, lane: usize| -> f64 {
-            self.out[row].eps.clone().unwrap_generic(nalgebra::Const::<LANES>, nalgebra::U1)[lane]
-        };
-        for (lane, direction) in lanes.iter().enumerate() {
-            match direction {
-                Direction::Motion(k) => (0..self.out.len()).for_each(|row| out.motion[(row, *k)] = eps(row, lane)),
-                Direction::Passive(k) => (0..self.out.len()).for_each(|row| out.passive[(row, *k)] = eps(row, lane)),
-                Direction::Colour(colour) => {
-                    for (column, of_column) in pattern.rows.iter().enumerate().filter(|(c, _)| pattern.colour[*c] == *colour) {
-                        of_column.iter().for_each(|row| out.columns[(*row, column)] = eps(*row, lane));
-                    }
+    fn collect(&self, pattern: &Pattern, plan: &Plan, pass: usize, out: &mut Derivatives) {
+        let (lane, motions) = plan.motion_part(pass);
+        for (k, lane) in motions.zip(lane..) {
+            out.motion.column_mut(k).iter_mut().zip(&self.out).for_each(|(to, row)| *to = row.eps[lane]);
+        }
+        let (lane, passives) = plan.passive_part(pass);
+        for (k, lane) in passives.zip(lane..) {
+            out.passive.column_mut(k).iter_mut().zip(&self.out).for_each(|(to, row)| *to = row.eps[lane]);
+        }
+        let (lane, colours) = plan.colour_part(pass);
+        if colours.is_empty() {
+            return;
+        }
+        for (column, colour) in pattern.colour.iter().enumerate() {
+            if colours.contains(colour) {
+                let lane = lane + colour - colours.start;
+                for row in pattern.rows(column) {
+                    out.columns[(*row, column)] = self.out[*row].eps[lane];
                 }
             }
         }
+    }
+}
+
+/// One evaluation, compiled for each set of vector instructions.
+struct Pass<'a, C> {
+    closure: &'a C,
+    state: &'a State<'a, Lanes>,
+    out: &'a mut [Lanes],
+}
+
+impl<C: Closure> pulp::WithSimd for Pass<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.closure.residual(self.state, self.out);
     }
 }

@@ -60,9 +60,10 @@ impl LeastSquaresProblem for Problem<'_> {
         residual.copy_from(&d.residual);
         jacobian.columns_mut(0, self.joints).copy_from(&d.columns);
         if !self.dependent.is_empty() {
-            let back = PoseConvention::default().rates(&pose).try_inverse().ok_or_else(|| -> EvaluationError {
-                Arc::new(KinematicsError::Singular { pivot_ratio: 0.0 })
-            })?;
+            let back = PoseConvention::default()
+                .rates(&pose)
+                .try_inverse()
+                .ok_or_else(|| -> EvaluationError { Arc::new(KinematicsError::Singular { pivot_ratio: 0.0 }) })?;
             for (column, k) in self.dependent.iter().enumerate() {
                 jacobian.set_column(self.joints + column, &(&d.motion * back.column(*k)));
             }

@@ -1,6 +1,8 @@
 //! The mechanism that a closure makes.
 
-use nalgebra::{Matrix3, Matrix6};
+use std::borrow::Cow;
+
+use nalgebra::{Matrix3, Matrix6, Vector6};
 
 use super::evaluation::{Derivatives, Place, Wanted, derivatives};
 use super::inverse::{Root, Rows, root};
@@ -9,13 +11,15 @@ use super::pattern::Pattern;
 use super::{Closure, Outline};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterSpec, characteristic_length,
-    condition, forward_by_rows,
+    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
+    characteristic_length, condition, forward_by_rows, motion_block_by_closure,
 };
 use crate::pose::Pose;
 
 /// A home pose with a worse condition does not hold its platform.
 const WORST_CONDITION: f64 = 1e7;
+/// One over the product of the sizes of `J₁` and its inverse, below which a pose is singular.
+const SINGULAR: f64 = 1e-13;
 
 /// A [`Mechanism`] whose closure is a [`Closure`].
 ///
@@ -130,11 +134,7 @@ impl<C: Closure> ClosureMechanism<C> {
 
     /// A row that depends on a column although it says it does not would give wrong derivatives.
     fn check_dependence(&self) -> Result<(), GeometryError> {
-        let dense = Pattern {
-            colour: (0..self.pattern.colour.len()).collect(),
-            rows: vec![(0..self.outline.equations).collect(); self.pattern.colour.len()],
-            colours: self.pattern.colour.len(),
-        };
+        let dense = Pattern::dense(self.pattern.colour.len(), self.outline.equations);
         let place = Place {
             pose: &self.home.pose,
             joints: &self.home.joints,
@@ -143,7 +143,8 @@ impl<C: Closure> ClosureMechanism<C> {
             at: &Conditions::unknown(),
         };
         let d = derivatives(&self.closure, &dense, &self.free, self.outline.equations, &place, Wanted::All);
-        for (column, rows) in self.pattern.rows.iter().enumerate() {
+        for column in 0..self.pattern.colour.len() {
+            let rows = self.pattern.rows(column);
             let name = match column.checked_sub(self.free.len()) {
                 None => &self.specs[column].name,
                 Some(joint) => &self.outline.joints[joint].name,
@@ -183,12 +184,16 @@ impl<C: Closure> ClosureMechanism<C> {
         Some(m)
     }
 
-    fn with_parameters(&self, c: &[f64]) -> Vec<f64> {
+    /// All parameters, with those that are identified at `c`.
+    fn with_parameters<'c>(&self, c: &'c [f64]) -> Cow<'c, [f64]> {
+        if self.free.len() == self.all.len() {
+            return Cow::Borrowed(c);
+        }
         let mut all = self.all.clone();
         for (k, value) in self.free.iter().zip(c) {
             all[*k] = *value;
         }
-        all
+        Cow::Owned(all)
     }
 
     /// Rows without passive coordinates, in the mechanism's own frames; NaN where the passive coordinates have no root.
@@ -230,7 +235,11 @@ fn check(outline: &Outline, all: &[f64], free: &[usize]) -> Result<(), GeometryE
         return wrong("there is no parameter to identify, or no joint".into());
     }
     if outline.home_joints.len() != outline.joints.len() {
-        return wrong(format!("{} joints and {} joint coordinates near home", outline.joints.len(), outline.home_joints.len()));
+        return wrong(format!(
+            "{} joints and {} joint coordinates near home",
+            outline.joints.len(),
+            outline.home_joints.len()
+        ));
     }
     for (k, spec) in outline.parameters.iter().enumerate() {
         if outline.parameters[..k].iter().any(|s| s.name == spec.name) {
@@ -283,10 +292,13 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
             return Err(GeometryError::ParameterCount { expected: self.values.len(), found: c.len() });
         }
         if let Some(k) = c.iter().position(|v| !v.is_finite()) {
-            return Err(GeometryError::Outline(format!("{} is {}; a mechanism needs a number", self.specs[k].name, c[k])));
+            return Err(GeometryError::Outline(format!(
+                "{} is {}; a mechanism needs a number",
+                self.specs[k].name, c[k]
+            )));
         }
         let mut other = self.clone();
-        other.all = self.with_parameters(c);
+        other.all = self.with_parameters(c).into_owned();
         other.values = c.to_vec();
         let inner = self.inner(&home);
         // The branch is that of the old home; values with which it cannot be reached are refused where they are used.
@@ -333,6 +345,42 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         let (parameters, joints) = (self.free.len(), joints.len());
         out.parameters.copy_from(&d.columns.columns(0, parameters));
         out.joints.copy_from(&d.columns.columns(parameters, joints));
+    }
+
+    fn motion_block(
+        &self,
+        c: &[f64],
+        joints: &[f64],
+        pose: &Pose,
+        at: &Conditions,
+        out: &mut MotionBlock,
+    ) -> Result<(), KinematicsError> {
+        if self.equations != 6 || !self.outline.passive.is_empty() {
+            return motion_block_by_closure(self, c, joints, pose, at, out);
+        }
+        // Six equations whose sparsity is known: one small inverse, and a column of it for each entry of J2.
+        let inner = self.inner(pose);
+        let all = self.with_parameters(c);
+        let d = self.rows_at(&all, joints, &inner, at, (&self.pattern, &self.free, Wanted::All));
+        let mut motion: Matrix6<f64> = d.motion.fixed_view::<6, 6>(0, 0).into_owned();
+        if let Some(seen) = self.inner_motion(pose, &inner) {
+            motion *= seen;
+        }
+        let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
+        let inverse = motion.try_inverse().ok_or(singular(0.0))?;
+        let ratio = 1.0 / (inverse.norm() * motion.norm());
+        if !(ratio > SINGULAR) {
+            return Err(singular(ratio));
+        }
+        let (parameters, joints) = (out.parameters.column_iter_mut(), out.joints.column_iter_mut());
+        for (column, mut to) in parameters.chain(joints).enumerate() {
+            let mut moved = Vector6::zeros();
+            for row in self.pattern.rows(column) {
+                moved -= inverse.column(*row) * d.columns[(*row, column)];
+            }
+            to.copy_from(&moved);
+        }
+        Ok(())
     }
 
     fn inverse(&self, c: &[f64], pose: &Pose, at: &Conditions) -> Result<Vec<f64>, KinematicsError> {

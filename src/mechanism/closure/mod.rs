@@ -46,6 +46,7 @@
 
 mod evaluation;
 mod inverse;
+mod lanes;
 mod made;
 mod outline;
 mod passive;
@@ -88,28 +89,31 @@ pub struct State<'a, T: Real> {
 
 impl<T: Real> State<'_, T> {
     /// Where the platform point `a` stands in the base frame.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, a: &Vector3<T>) -> Vector3<T> {
-        let r = &self.rotation;
-        let row = |i: usize| r[(i, 0)] * a.x + r[(i, 1)] * a.y + r[(i, 2)] * a.z + self.position[i];
-        Vector3::new(row(0), row(1), row(2))
+        let (r, t) = (&self.rotation, &self.position);
+        Vector3::new(
+            r[(0, 0)] * a.x + r[(0, 1)] * a.y + r[(0, 2)] * a.z + t.x,
+            r[(1, 0)] * a.x + r[(1, 1)] * a.y + r[(1, 2)] * a.z + t.y,
+            r[(2, 0)] * a.x + r[(2, 1)] * a.y + r[(2, 2)] * a.z + t.z,
+        )
     }
 
     /// The three parameters from `first` on as a point.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self, first: usize) -> Vector3<T> {
         Vector3::new(self.parameters[first], self.parameters[first + 1], self.parameters[first + 2])
     }
 }
 
 /// The length of a vector.
-#[inline]
+#[inline(always)]
 pub fn length<T: Real>(v: &Vector3<T>) -> T {
     (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()
 }
 
 /// The scalar product with a constant vector.
-#[inline]
+#[inline(always)]
 pub fn along<T: Real>(v: &Vector3<T>, constant: &Vector3<f64>) -> T {
     v.x * constant.x + v.y * constant.y + v.z * constant.z
 }

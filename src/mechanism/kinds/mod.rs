@@ -45,7 +45,13 @@ pub struct Tolerances {
 fn unit(leg: usize, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>, GeometryError> {
     match v.try_normalize(1e-12) {
         Some(unit) if unit.iter().all(|x| x.is_finite()) => Ok(unit),
-        _ => Err(GeometryError::Outline(format!("leg {}: `{what}` [{}, {}, {}] is no direction", leg + 1, v.x, v.y, v.z))),
+        _ => Err(GeometryError::Outline(format!(
+            "leg {}: `{what}` [{}, {}, {}] is no direction",
+            leg + 1,
+            v.x,
+            v.y,
+            v.z
+        ))),
     }
 }
 

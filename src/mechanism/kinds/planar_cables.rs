@@ -79,9 +79,10 @@ impl PlanarCables {
         let equations = cables.len() + if point { 4 } else { 3 };
         let mut outline = Outline::new(name, equations, home).controls([true, true, false, false, false, !point]);
         for (leg, segment) in segments.iter().enumerate() {
-            let platform = [("xA", 0), ("yA", 1)].into_iter().filter(|_| !point).map(|(stem, k)| {
-                (stem, segment.platform[k], ParameterRole::PlatformPoint { leg, axis: Axis::ALL[k] })
-            });
+            let platform = [("xA", 0), ("yA", 1)]
+                .into_iter()
+                .filter(|_| !point)
+                .map(|(stem, k)| (stem, segment.platform[k], ParameterRole::PlatformPoint { leg, axis: Axis::ALL[k] }));
             let base = [("xB", 0), ("yB", 1)]
                 .into_iter()
                 .map(|(stem, k)| (stem, segment.base[k], ParameterRole::BasePoint { leg, axis: Axis::ALL[k] }));
