@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::writer::number;
 use crate::pose::RotationOrder;
 
 /// A mechanism file, word by word. Numbers are in the units that the file names.
@@ -32,9 +33,22 @@ pub struct MechanismDocument {
     /// True if legs really meet in a point of the platform or of the base.
     #[serde(default)]
     pub shared_anchors: bool,
-    /// The legs in order.
+    /// Stems of the parameters that are identified (`["xB", "yB"]`); all if absent. Not for six hardpoints.
+    pub identify: Option<Vec<String>>,
+    /// The legs in order: rods of a delta, segments of cables.
     #[serde(default, rename = "leg")]
     pub legs: Vec<LegEntry>,
+    /// The cables in order.
+    #[serde(default, rename = "cable")]
+    pub cables: Vec<CableEntry>,
+    /// In a calibrated file of another kind than six hardpoints: the legs by which poses are commanded.
+    #[serde(default, rename = "nominal_leg")]
+    pub nominal_legs: Vec<LegEntry>,
+    /// The same for cables.
+    #[serde(default, rename = "nominal_cable")]
+    pub nominal_cables: Vec<CableEntry>,
+    /// In a calibrated file of another kind than six hardpoints: the frames of the measurement.
+    pub mounting: Option<MountingSection>,
     /// Home pose; solved from the lengths if absent.
     pub home: Option<HomeSection>,
     /// In a calibrated file: the home of the geometry by which poses are commanded.
@@ -71,16 +85,32 @@ pub enum GravityAxis {
     Y,
 }
 
-/// One `[[leg]]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// One `[[leg]]`. Which keys a kind of mechanism needs is told in `mechanisms/README.md`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LegEntry {
     /// Point of the platform, platform frame.
     pub platform: [f64; 3],
     /// Point of the base, base frame.
     pub base: [f64; 3],
-    /// Length at home.
-    pub length: f64,
+    /// Length at home; of a rod.
+    pub length: Option<f64>,
+    /// Radius of a crank.
+    pub crank: Option<f64>,
+    /// Axis of a crank or of a hinge, base frame.
+    pub axis: Option<[f64; 3]>,
+    /// Where a crank points at angle zero, base frame.
+    pub zero: Option<[f64; 3]>,
+    /// True crank angle less the commanded one.
+    #[serde(default)]
+    pub angle_offset: f64,
+    /// Two small tilts of a hinge about its nominal axis.
+    #[serde(default)]
+    pub hinge_tilt: [f64; 2],
+    /// Number of the carriage of a rod, from 1.
+    pub carriage: Option<usize>,
+    /// Direction in which a carriage counts, base frame.
+    pub rail: Option<[f64; 3]>,
     /// True length less commanded length.
     #[serde(default)]
     pub length_offset: f64,
@@ -93,6 +123,35 @@ pub struct LegEntry {
     /// In a calibrated file: the length offset of the same.
     #[serde(default)]
     pub nominal_length_offset: f64,
+}
+
+/// One `[[cable]]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CableEntry {
+    /// Numbers of the legs that it runs along, from 1; twice for a cable over a pulley.
+    pub segments: Vec<usize>,
+    /// Radius of its drum; without one the joint is the length of the cable.
+    pub drum: Option<f64>,
+    /// True change of length since home less the read one.
+    #[serde(default)]
+    pub length_offset: f64,
+    /// Allowed readings.
+    pub stroke: Option<[f64; 2]>,
+}
+
+/// `[mounting]`: where the base stands in the frame of the measurement, and the target on the platform.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MountingSection {
+    /// Position of the base.
+    pub base_position: [f64; 3],
+    /// α β γ of the base.
+    pub base_rotation: [f64; 3],
+    /// Position of the target.
+    pub target_position: [f64; 3],
+    /// α β γ of the target.
+    pub target_rotation: [f64; 3],
 }
 
 /// `[home]`.
@@ -124,6 +183,8 @@ pub struct ToleranceSection {
     pub anchor: f64,
     /// 1σ of a length; that of the anchors if absent.
     pub length: Option<f64>,
+    /// 1σ of an angle; that of the anchors over the radius of the platform if absent.
+    pub angle: Option<f64>,
 }
 
 /// `[noise]`.
@@ -172,8 +233,6 @@ pub struct TargetEntry {
 impl MechanismDocument {
     /// The file's text; the same sections in the same order as the format describes them.
     pub fn to_text(&self) -> String {
-        use super::writer::number;
-        let list = |v: &[f64]| format!("[{}]", v.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "));
         let quoted = |s: &str| toml::Value::String(s.into()).to_string();
         let mut text = format!("name = {}\ntype = {}\n", quoted(&self.name), quoted(&self.kind));
         text += &format!("length_unit = \"{}\"\nangle_unit = \"{}\"\n", self.length_unit, self.angle_unit);
@@ -192,20 +251,21 @@ impl MechanismDocument {
         if self.shared_anchors {
             text += "shared_anchors = true\n";
         }
-        for leg in &self.legs {
-            text += &format!("\n[[leg]]\nplatform = {}\nbase = {}\n", list(&leg.platform), list(&leg.base));
-            text += &format!("length = {}\n", number(leg.length));
-            if leg.length_offset != 0.0 {
-                text += &format!("length_offset = {}\n", number(leg.length_offset));
-            }
-            if let Some(stroke) = leg.stroke {
-                text += &format!("stroke = {}\n", list(&stroke));
-            }
-            text += &leg.nominal_platform.map_or(String::new(), |v| format!("nominal_platform = {}\n", list(&v)));
-            text += &leg.nominal_base.map_or(String::new(), |v| format!("nominal_base = {}\n", list(&v)));
-            if leg.nominal_length_offset != 0.0 {
-                text += &format!("nominal_length_offset = {}\n", number(leg.nominal_length_offset));
-            }
+        if let Some(stems) = &self.identify {
+            let stems: Vec<String> = stems.iter().map(|s| quoted(s)).collect();
+            text += &format!("identify = [{}]\n", stems.join(", "));
+        }
+        for (name, legs) in [("leg", &self.legs), ("nominal_leg", &self.nominal_legs)] {
+            legs.iter().for_each(|leg| text += &leg.to_text(name));
+        }
+        for (name, cables) in [("cable", &self.cables), ("nominal_cable", &self.nominal_cables)] {
+            cables.iter().for_each(|cable| text += &cable.to_text(name));
+        }
+        if let Some(m) = &self.mounting {
+            text += &format!("\n[mounting]\nbase_position = {}\n", list(&m.base_position));
+            text += &format!("base_rotation = {}\n", list(&m.base_rotation));
+            text += &format!("target_position = {}\n", list(&m.target_position));
+            text += &format!("target_rotation = {}\n", list(&m.target_rotation));
         }
         for (name, section) in [("home", &self.home), ("nominal_home", &self.nominal_home)] {
             if let Some(s) = section {
@@ -218,6 +278,7 @@ impl MechanismDocument {
         if let Some(s) = &self.tolerance {
             text += &format!("\n[tolerance]\nanchor = {}\n", number(s.anchor));
             text += &s.length.map_or(String::new(), |v| format!("length = {}\n", number(v)));
+            text += &s.angle.map_or(String::new(), |v| format!("angle = {}\n", number(v)));
         }
         if let Some(s) = &self.noise {
             text += &format!("\n[noise]\nposition = {}\nrotation = {}\n", number(s.position), number(s.rotation));
@@ -240,5 +301,44 @@ impl MechanismDocument {
             text += &target.platform.map_or(String::new(), |v| format!("platform = {}\n", list(&v)));
         }
         text
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
+}
+
+/// The line of a key that may be left out.
+fn line(key: &str, value: Option<String>) -> String {
+    value.map_or(String::new(), |v| format!("{key} = {v}\n"))
+}
+
+impl LegEntry {
+    fn to_text(&self, section: &str) -> String {
+        let not_zero = |v: f64| (v != 0.0).then(|| number(v));
+        let mut text = format!("\n[[{section}]]\nplatform = {}\nbase = {}\n", list(&self.platform), list(&self.base));
+        text += &line("length", self.length.map(number));
+        text += &line("length_offset", not_zero(self.length_offset));
+        text += &line("crank", self.crank.map(number));
+        text += &line("axis", self.axis.map(|v| list(&v)));
+        text += &line("zero", self.zero.map(|v| list(&v)));
+        text += &line("angle_offset", not_zero(self.angle_offset));
+        text += &line("hinge_tilt", (self.hinge_tilt != [0.0; 2]).then(|| list(&self.hinge_tilt)));
+        text += &line("carriage", self.carriage.map(|k| k.to_string()));
+        text += &line("rail", self.rail.map(|v| list(&v)));
+        text += &line("stroke", self.stroke.map(|v| list(&v)));
+        text += &line("nominal_platform", self.nominal_platform.map(|v| list(&v)));
+        text += &line("nominal_base", self.nominal_base.map(|v| list(&v)));
+        text + &line("nominal_length_offset", not_zero(self.nominal_length_offset))
+    }
+}
+
+impl CableEntry {
+    fn to_text(&self, section: &str) -> String {
+        let segments: Vec<String> = self.segments.iter().map(usize::to_string).collect();
+        let mut text = format!("\n[[{section}]]\nsegments = [{}]\n", segments.join(", "));
+        text += &line("drum", self.drum.map(number));
+        text += &line("length_offset", (self.length_offset != 0.0).then(|| number(self.length_offset)));
+        text + &line("stroke", self.stroke.map(|v| list(&v)))
     }
 }

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use super::document::{HomeSection, LegEntry, MechanismDocument, TargetEntry, WorkspaceSection};
+use super::document::{HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
+use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
 use crate::measurement::{Frames, Noise, TargetPoint};
 use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
 
-/// The only kind of mechanism that files can state so far.
+/// The paper's kind of mechanism.
 pub(super) const SIX_HARDPOINT: &str = "six-hardpoint";
 
 /// A mechanism with its surroundings, SI.
@@ -94,27 +95,26 @@ impl Machine {
         targets: &[TargetPoint],
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
+        if let Some(parts) = parts(mechanism) {
+            return Ok(self.document_of_parts(&parts, workspace, targets));
+        }
         let Some(legs) = (mechanism as &dyn Any).downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
             return Err(FileError::Value {
                 path: self.path.clone(),
                 place: "type".into(),
-                problem: format!("a mechanism of another kind than '{SIX_HARDPOINT}' cannot be written"),
+                problem: "a mechanism that does not come from a file cannot be written to one".into(),
             });
         };
         let length = |v: f64| self.length_unit.from_si(v);
-        let angle = |v: f64| self.angle_unit.from_si(v);
         let point = |p: &Vector3<f64>| [length(p.x), length(p.y), length(p.z)];
         let entry = |l: &Leg| LegEntry {
             platform: point(&l.platform),
             base: point(&l.base),
-            length: length(l.length),
+            length: Some(length(l.length)),
             length_offset: length(l.length_offset),
             stroke: l.stroke.map(|s| s.map(length)),
-            nominal_platform: None,
-            nominal_base: None,
-            nominal_length_offset: 0.0,
+            ..LegEntry::default()
         };
-        let six = |q: [f64; 6]| ([length(q[0]), length(q[1]), length(q[2])], [angle(q[3]), angle(q[4]), angle(q[5])]);
         let mut document = self.document.clone();
         for (l, kept) in legs.iter().zip(&mut document.legs) {
             let offset = if kept.nominal_base.is_some() { kept.nominal_length_offset } else { kept.length_offset };
@@ -125,16 +125,9 @@ impl Machine {
                 ..entry(l)
             };
         }
-        let home = |pose: &Pose| {
-            let (position, rotation) = six(self.convention.coordinates(pose));
-            Some(HomeSection { position, rotation })
-        };
-        document.home = home(&mechanism.home());
-        document.nominal_home = home(&self.commander().home());
-        if let Some(w) = workspace {
-            let (position, rotation) = six(w.half);
-            document.workspace = Some(WorkspaceSection { position, rotation });
-        }
+        document.home = Some(self.home_section(&mechanism.home()));
+        document.nominal_home = Some(self.home_section(&self.commander().home()));
+        document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
         // What is stated on the platform moves with the platform frame.
         let onto_target = frames.target.inverse();
         let moved = |p: &mut [f64; 3]| {
@@ -145,11 +138,58 @@ impl Machine {
             platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
             document.targets.iter_mut().flat_map(|t| &mut t.platform).for_each(moved);
         }
+        self.put_targets(&mut document, targets);
+        Ok(document)
+    }
+
+    /// The same for a kind that is made from a closure: it keeps the frames of its drawing and is mounted in those of the
+    /// measurement.
+    fn document_of_parts(
+        &self,
+        parts: &Parts,
+        workspace: Option<&Workspace>,
+        targets: &[TargetPoint],
+    ) -> MechanismDocument {
+        let mut document = self.document.clone();
+        if document.nominal_legs.is_empty() {
+            document.nominal_legs = document.legs.clone();
+            document.nominal_cables = document.cables.clone();
+            document.nominal_home = document.home.clone();
+        }
+        let units = Reader { path: &self.path, length: self.length_unit, angle: self.angle_unit };
+        kinds::write(&parts.values, &units, &mut document.legs, &mut document.cables);
+        document.home = Some(self.home_section(&parts.home));
+        document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
+        document.mounting = parts.mounting.map(|(base, target)| {
+            let (base_position, base_rotation) = self.in_units(base.coordinates());
+            let (target_position, target_rotation) = self.in_units(target.coordinates());
+            MountingSection { base_position, base_rotation, target_position, target_rotation }
+        });
+        self.put_targets(&mut document, targets);
+        document
+    }
+
+    fn in_units(&self, q: [f64; 6]) -> ([f64; 3], [f64; 3]) {
+        let length = |k: usize| self.length_unit.from_si(q[k]);
+        let angle = |k: usize| self.angle_unit.from_si(q[k]);
+        ([length(0), length(1), length(2)], [angle(3), angle(4), angle(5)])
+    }
+
+    fn home_section(&self, pose: &Pose) -> HomeSection {
+        let (position, rotation) = self.in_units(self.convention.coordinates(pose));
+        HomeSection { position, rotation }
+    }
+
+    fn workspace_section(&self, workspace: &Workspace) -> WorkspaceSection {
+        let (position, rotation) = self.in_units(workspace.half);
+        WorkspaceSection { position, rotation }
+    }
+
+    fn put_targets(&self, document: &mut MechanismDocument, targets: &[TargetPoint]) {
+        let point = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| self.length_unit.from_si(v));
+        let entry = |t: &TargetPoint| TargetEntry { name: t.name.clone(), platform: t.platform.as_ref().map(point) };
         if !targets.is_empty() {
-            let entry =
-                |t: &TargetPoint| TargetEntry { name: t.name.clone(), platform: t.platform.as_ref().map(point) };
             document.targets = targets.iter().map(entry).collect();
         }
-        Ok(document)
     }
 }

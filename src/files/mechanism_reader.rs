@@ -6,12 +6,14 @@ use nalgebra::Vector3;
 
 use super::document::{LegEntry, MechanismDocument};
 use super::error::FileError;
+use super::kinds::{self, KINDS, check_keys};
 use super::machine::{Machine, SIX_HARDPOINT};
 use super::writer::number;
+use crate::conditions::Conditions;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
 use crate::pose::PoseConvention;
-use crate::units::Unit;
+use crate::units::{Dimension, Unit};
 
 /// Reads numbers of one file into SI and names what is wrong with them.
 pub(super) struct Reader<'a> {
@@ -21,11 +23,11 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
+    pub(super) fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
         FileError::Value { path: self.path.into(), place: place.into(), problem: problem.into() }
     }
 
-    fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
+    pub(super) fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
         if v.is_finite() {
             Ok(v)
         } else {
@@ -33,31 +35,31 @@ impl Reader<'_> {
         }
     }
 
-    fn not_negative(&self, place: &str, v: f64) -> Result<f64, FileError> {
+    pub(super) fn not_negative(&self, place: &str, v: f64) -> Result<f64, FileError> {
         self.finite(place, v)?;
         if v < 0.0 { Err(self.value(place, format!("must not be negative, found {v}"))) } else { Ok(v) }
     }
 
-    fn positive(&self, place: &str, v: f64) -> Result<f64, FileError> {
+    pub(super) fn positive(&self, place: &str, v: f64) -> Result<f64, FileError> {
         self.finite(place, v)?;
         if v <= 0.0 { Err(self.value(place, format!("must be positive, found {v}"))) } else { Ok(v) }
     }
 
     /// A number of a section that may be left out.
-    fn known(&self, place: &str, v: f64) -> Result<f64, FileError> {
+    pub(super) fn known(&self, place: &str, v: f64) -> Result<f64, FileError> {
         self.finite(place, v)?;
         let problem = || format!("must be positive, found {v}; leave the section out if it is not known");
         if v <= 0.0 { Err(self.value(place, problem())) } else { Ok(v) }
     }
 
-    fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
+    pub(super) fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
         for v in p {
             self.finite(place, *v)?;
         }
         Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
     }
 
-    fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
+    pub(super) fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
         let p = self.point(place, position)?;
         for v in rotation {
             self.finite(place, *v)?;
@@ -76,7 +78,8 @@ fn read_legs(r: &Reader<'_>, entries: &[LegEntry]) -> Result<(Vec<Leg>, Vec<Leg>
         let leg = Leg {
             platform: r.point(&place("platform"), &l.platform)?,
             base: r.point(&place("base"), &l.base)?,
-            length: r.length.to_si(r.positive(&place("length"), l.length)?),
+            // That it is stated was checked before.
+            length: r.length.to_si(r.positive(&place("length"), l.length.unwrap_or(f64::NAN))?),
             length_offset: offset("length_offset", l.length_offset)?,
             stroke: l.stroke.map(|s| stroke(r, &place("stroke"), s)).transpose()?,
         };
@@ -100,19 +103,25 @@ fn read_legs(r: &Reader<'_>, entries: &[LegEntry]) -> Result<(Vec<Leg>, Vec<Leg>
     Ok((legs, nominal))
 }
 
-/// Builds the machine of a document.
-pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
-    let path = r.path;
-    if document.kind != SIX_HARDPOINT {
-        return Err(r.value("type", format!("'{}' is not a kind of mechanism; use \"{SIX_HARDPOINT}\"", document.kind)));
+/// A mechanism and, if the file keeps them apart, the one by which the controller turns poses into joints.
+type Made = (Box<dyn Mechanism>, Option<Box<dyn Mechanism>>);
+
+/// Six legs of variable length.
+fn six_hardpoint(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    convention: &PoseConvention,
+    home: Option<[f64; 6]>,
+    warned: &mut Vec<String>,
+) -> Result<Made, FileError> {
+    let geometry = |cause| FileError::Geometry { path: r.path.into(), cause };
+    check_keys(r, SIX_HARDPOINT, &document.legs)?;
+    let only_others = !document.cables.is_empty() || !document.nominal_legs.is_empty() || document.mounting.is_some();
+    if only_others || document.identify.is_some() {
+        let problem =
+            "[[cable]], [[nominal_leg]], [mounting] and identify mean nothing for six hardpoints; delete them";
+        return Err(r.value("type", problem));
     }
-    if !document.effects.is_empty() {
-        return Err(r.value(
-            "[[effect]]",
-            "this version cannot use effects and would command without them; use the file without the section",
-        ));
-    }
-    let geometry = |cause| FileError::Geometry { path: path.into(), cause };
     let (legs, nominal_legs) = read_legs(r, &document.legs)?;
     if legs.len() != 6 {
         return Err(geometry(GeometryError::LegCount { found: legs.len() }));
@@ -120,9 +129,6 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     if !document.shared_anchors {
         check_distinct_anchors(&legs).map_err(|cause| equal_anchors(r, cause))?;
     }
-    let pivot = r.point("pivot", &document.pivot)?;
-    let convention = PoseConvention { order: document.rotation_order, pivot };
-    let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
     let tolerance = match &document.tolerance {
         None => None,
         Some(t) => {
@@ -133,6 +139,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     };
     let mechanism =
         SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
+    warned.extend(warnings(&mechanism, &legs));
     let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
         0 => None,
         _ => {
@@ -142,13 +149,91 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
             Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, home, None).map_err(geometry)?))
         }
     };
+    Ok((Box::new(mechanism), nominal))
+}
+
+/// A mechanism of another kind, made from its closure.
+fn other_kind(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    convention: &PoseConvention,
+    home: Option<[f64; 6]>,
+    warned: &mut Vec<String>,
+) -> Result<Made, FileError> {
+    let kind = &document.kind;
+    let Some(home) = home else {
+        return Err(
+            r.value("[home]", format!("is missing; a mechanism of type \"{kind}\" needs position and rotation"))
+        );
+    };
+    let home = convention.pose(&home);
+    let mechanism = kinds::read(r, document, &document.legs, &document.cables, home)?;
+    if mechanism.controlled() != [true; 6] && convention.pivot != Vector3::zeros() {
+        let problem = format!("must be absent for type \"{kind}\"; put the origin of the platform frame there");
+        return Err(r.value("pivot", problem));
+    }
+    let nominal = match document.nominal_legs.is_empty() {
+        true => None,
+        false => {
+            let home = match &document.nominal_home {
+                Some(h) => convention.pose(&r.six("[nominal_home]", &h.position, &h.rotation)?),
+                None => home,
+            };
+            let cables = if document.nominal_cables.is_empty() { &document.cables } else { &document.nominal_cables };
+            Some(kinds::read(r, document, &document.nominal_legs, cables, home)?)
+        }
+    };
+    let at_home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
+    for (spec, value) in mechanism.joints().iter().zip(at_home.iter().flatten()) {
+        if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
+            let unit = if spec.dimension == Dimension::Angle { r.angle } else { r.length };
+            let [value, from, to] = [*value, from, to].map(|v| unit.from_si(v));
+            let name = &spec.name;
+            warned.push(format!(
+                "{name} is {value:.3} {0} at home, outside its stroke {from:.3} to {to:.3} {0}",
+                unit.name
+            ));
+        }
+    }
+    Ok((mechanism, nominal))
+}
+
+/// Builds the machine of a document.
+pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
+    let path = r.path;
+    let kind = document.kind.as_str();
+    if kind != SIX_HARDPOINT && !KINDS.contains(&kind) {
+        let known: Vec<String> = std::iter::once(SIX_HARDPOINT).chain(KINDS).map(|k| format!("\"{k}\"")).collect();
+        return Err(r.value("type", format!("'{kind}' is not a kind of mechanism; use one of {}", known.join(", "))));
+    }
+    if !document.effects.is_empty() {
+        return Err(r.value(
+            "[[effect]]",
+            "this version cannot use effects and would command without them; use the file without the section",
+        ));
+    }
+    let pivot = r.point("pivot", &document.pivot)?;
+    let convention = PoseConvention { order: document.rotation_order, pivot };
+    let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
+    let make = if kind == SIX_HARDPOINT { six_hardpoint } else { other_kind };
+    let mut warnings = Vec::new();
+    let (mechanism, nominal) = make(r, &document, &convention, home, &mut warnings)?;
     let workspace = match &document.workspace {
         None => None,
         Some(w) => {
             for v in w.position.iter().chain(&w.rotation) {
                 r.not_negative("[workspace]", *v)?;
             }
-            let half = r.six("[workspace]", &w.position, &w.rotation)?;
+            let mut half = r.six("[workspace]", &w.position, &w.rotation)?;
+            // In the frames of a measurement the coordinates are mixed, and each may follow from the others.
+            if document.mounting.is_none() {
+                for (k, name) in ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate() {
+                    if half[k] > 0.0 && !mechanism.controlled()[k] {
+                        half[k] = 0.0;
+                        warnings.push(format!("[workspace]: the joints do not control {name}; write 0 there"));
+                    }
+                }
+            }
             Some(Workspace { convention, centre: convention.coordinates(&mechanism.home()), half })
         }
     };
@@ -157,7 +242,10 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         Some(n) => Some(Noise {
             position: r.length.to_si(r.known("[noise] position", n.position)?),
             rotation: r.angle.to_si(r.known("[noise] rotation", n.rotation)?),
-            joint: r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
+            joint: match mechanism.joints().first().map(|j| j.dimension) {
+                Some(Dimension::Angle) => r.angle.to_si(r.not_negative("[noise] joint", n.joint)?),
+                _ => r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
+            },
             known: true,
         }),
     };
@@ -171,10 +259,9 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
     kept_sections(r, &document)?;
-    let warnings = warnings(&mechanism, &legs);
     Ok(Machine {
         path: path.into(),
-        mechanism: Box::new(mechanism),
+        mechanism,
         nominal,
         convention,
         workspace,
@@ -226,7 +313,7 @@ fn kept_sections(r: &Reader<'_>, document: &MechanismDocument) -> Result<(), Fil
 }
 
 fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {
-    let at = crate::conditions::Conditions::unknown();
+    let at = Conditions::unknown();
     let Ok(lengths) = mechanism.inverse(mechanism.values(), &mechanism.home(), &at) else { return Vec::new() };
     let mut warnings = Vec::new();
     let off = legs.iter().zip(&lengths).map(|(l, h)| (l.length - l.length_offset - h).abs()).fold(0.0, f64::max);

@@ -10,6 +10,7 @@
 mod column;
 mod document;
 mod error;
+mod kinds;
 mod machine;
 mod measurement_file;
 mod mechanism_reader;
@@ -20,8 +21,8 @@ mod time;
 mod writer;
 
 pub use document::{
-    ActuatorSection, HomeSection, LegEntry, MechanismDocument, NoiseSection, PlatformSection, TargetEntry,
-    ToleranceSection, WorkspaceSection,
+    ActuatorSection, CableEntry, HomeSection, LegEntry, MechanismDocument, MountingSection, NoiseSection,
+    PlatformSection, TargetEntry, ToleranceSection, WorkspaceSection,
 };
 pub use error::FileError;
 pub use machine::Machine;

@@ -76,6 +76,7 @@ pub fn tripod() -> ClosureMechanism<Tripod> {
                 platform: around(0.3, angle, 0.0),
                 base: around(0.45, angle, 0.0),
                 axis: around(1.0, angle + 90.0, 0.0),
+                tilt: [0.0; 2],
                 offset: 0.0,
                 stroke: Some([0.4, 0.9]),
             }

@@ -80,6 +80,16 @@ impl<C: Closure> ClosureMechanism<C> {
         &self.all
     }
 
+    /// Home in the mechanism's own frames.
+    pub fn own_home(&self) -> Pose {
+        self.home.pose
+    }
+
+    /// The base in the frame of the measurement and the target on the platform, if it is mounted.
+    pub fn mounting(&self) -> Option<(Pose, Pose)> {
+        self.mounting
+    }
+
     /// The closure.
     pub fn closure(&self) -> &C {
         &self.closure

@@ -17,6 +17,8 @@ pub struct HingedLeg {
     pub base: Vector3<f64>,
     /// Axis of the hinge, base frame; any length. The leg moves in the plane through `base` perpendicular to it.
     pub axis: Vector3<f64>,
+    /// Small turns of the axis: towards the leg, and across it, rad.
+    pub tilt: [f64; 2],
     /// True length less the commanded one.
     pub offset: f64,
     /// Shortest and longest commanded length.
@@ -69,8 +71,8 @@ impl Tripod {
                     sigma(|t| t.length),
                     ParameterRole::JointOffset { leg },
                 )
-                .parameter(format!("m{n}"), Dimension::Angle, 0.0, sigma(|t| t.angle), role)
-                .parameter(format!("n{n}"), Dimension::Angle, 0.0, sigma(|t| t.angle), role)
+                .parameter(format!("m{n}"), Dimension::Angle, l.tilt[0], sigma(|t| t.angle), role)
+                .parameter(format!("n{n}"), Dimension::Angle, l.tilt[1], sigma(|t| t.angle), role)
                 .joint(Dimension::Length, at_home - l.offset, l.stroke);
         }
         ClosureMechanism::new(Self { hinges }, outline)
