@@ -134,7 +134,7 @@ pub struct NoiseSection {
     pub position: f64,
     /// 1σ of an angle.
     pub rotation: f64,
-    /// 1σ of a joint reading.
+    /// 1σ of a joint reading, in the unit of the joints.
     #[serde(default)]
     pub joint: f64,
 }

@@ -76,6 +76,15 @@ impl Machine {
         build(&reader, document)
     }
 
+    /// Unit in which its files write numbers of a dimension: the stated one of lengths and angles, otherwise SI.
+    pub fn unit(&self, dimension: Dimension) -> Unit {
+        match dimension {
+            Dimension::Length => self.length_unit,
+            Dimension::Angle => self.angle_unit,
+            other => Unit::si(other),
+        }
+    }
+
     /// The mechanism by which the controller turns commanded poses into joints.
     pub fn commander(&self) -> &dyn Mechanism {
         self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())

@@ -13,6 +13,7 @@ use crate::measurement::{
     Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, Sample, TargetMeasurement, TargetPoint,
 };
 use crate::mechanism::{KinematicsError, characteristic_length};
+use crate::units::Dimension;
 
 /// A measurement file, read.
 #[derive(Debug)]
@@ -74,9 +75,11 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
     let header = |problem: String| FileError::Header { path: table.path.clone(), problem };
     let from_pose = commanded.iter().any(Option::is_some) && missing.len() == joints.len();
     if !missing.is_empty() && !from_pose {
-        let unit = machine.length_unit.name;
+        let length = machine.length_unit.name;
+        let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);
+        let (noun, unit) = (joint.noun(), machine.unit(joint).name);
         return Err(header(format!(
-            "no column for {}; commanded lengths stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{unit} …",
+            "no column for {}; commanded {noun} stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{length} …",
             missing.join(", "),
             missing[0],
         )));

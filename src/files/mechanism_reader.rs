@@ -11,7 +11,7 @@ use super::writer::number;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
 use crate::pose::PoseConvention;
-use crate::units::Unit;
+use crate::units::{Dimension, Unit};
 
 /// Reads numbers of one file into SI and names what is wrong with them.
 pub(super) struct Reader<'a> {
@@ -55,6 +55,11 @@ impl Reader<'_> {
             self.finite(place, *v)?;
         }
         Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
+    }
+
+    fn unit_of_joints(&self, mechanism: &dyn Mechanism) -> Unit {
+        let angles = mechanism.joints().first().is_some_and(|j| j.dimension == Dimension::Angle);
+        if angles { self.angle } else { self.length }
     }
 
     fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
@@ -157,7 +162,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         Some(n) => Some(Noise {
             position: r.length.to_si(r.known("[noise] position", n.position)?),
             rotation: r.angle.to_si(r.known("[noise] rotation", n.rotation)?),
-            joint: r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
+            joint: r.unit_of_joints(&mechanism).to_si(r.not_negative("[noise] joint", n.joint)?),
             known: true,
         }),
     };

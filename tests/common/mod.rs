@@ -2,6 +2,7 @@
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
 pub mod planar;
+pub mod rotary;
 
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::{Dataset, Noise};

@@ -30,10 +30,12 @@ pub(crate) struct Args {
     /// Measurement file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Draw a normal error of this standard deviation for every parameter.
+    /// Draw a normal error of this standard deviation for every parameter: angles get it divided by the mean radius of the
+    /// platform points, other parameters that are no lengths their tolerance, if it is stated.
     #[arg(long, value_name = "LENGTH", conflicts_with = "errors")]
     error_sd: Option<String>,
-    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm.
+    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm; for other mechanisms their own parameters, such
+    /// as o_deg.
     #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
     /// 1 sigma of a measured position coordinate; that of the mechanism file if absent.
