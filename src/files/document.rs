@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::PlaneSection;
 use crate::pose::RotationOrder;
 
 /// A mechanism file, word by word. Numbers are in the units that the file names.
@@ -45,6 +46,8 @@ pub struct MechanismDocument {
     pub tolerance: Option<ToleranceSection>,
     /// 1σ of the measurement.
     pub noise: Option<NoiseSection>,
+    /// The plane over which heights are measured.
+    pub plane: Option<PlaneSection>,
     /// Masses.
     pub platform: Option<PlatformSection>,
     /// Actuators.
@@ -225,6 +228,7 @@ impl MechanismDocument {
                 text += &format!("joint = {}\n", number(s.joint));
             }
         }
+        text += &self.plane.as_ref().map_or(String::new(), PlaneSection::to_text);
         if let Some(s) = &self.platform {
             text += "\n[platform]\n";
             text += &s.mass_kg.map_or(String::new(), |v| format!("mass_kg = {}\n", number(v)));

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 use super::document::{HomeSection, LegEntry, MechanismDocument, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
 use super::mechanism_reader::{Reader, build};
-use crate::measurement::{Frames, Noise, TargetPoint};
+use super::plane::{PlaneSection, carried};
+use crate::measurement::{Contact, Frames, Noise, TargetPoint};
 use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
@@ -34,6 +35,8 @@ pub struct Machine {
     pub noise: Option<Noise>,
     /// Measured points of the platform.
     pub targets: Vec<TargetPoint>,
+    /// The plane over which heights are measured, and of which point.
+    pub contact: Contact,
     /// Unit of its lengths.
     pub length_unit: Unit,
     /// Unit of its angles.
@@ -88,6 +91,11 @@ impl Machine {
     /// The mechanism by which the controller turns commanded poses into joints.
     pub fn commander(&self) -> &dyn Mechanism {
         self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())
+    }
+
+    /// The `[plane]` of its file for this contact.
+    pub fn plane_section(&self, contact: &Contact) -> PlaneSection {
+        PlaneSection::of(contact, self.length_unit)
     }
 
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
@@ -153,6 +161,9 @@ impl Machine {
             let platform = document.platform.iter_mut();
             platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
             document.targets.iter_mut().flat_map(|t| &mut t.platform).for_each(moved);
+        }
+        if let Some(section) = document.plane.as_mut().filter(|_| !frames.is_identity()) {
+            *section = PlaneSection::of(&carried(&self.contact, frames), self.length_unit);
         }
         if !targets.is_empty() {
             let entry =

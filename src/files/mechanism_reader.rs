@@ -21,11 +21,11 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
+    pub(super) fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
         FileError::Value { path: self.path.into(), place: place.into(), problem: problem.into() }
     }
 
-    fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
+    pub(super) fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
         if v.is_finite() {
             Ok(v)
         } else {
@@ -50,7 +50,7 @@ impl Reader<'_> {
         if v <= 0.0 { Err(self.value(place, problem())) } else { Ok(v) }
     }
 
-    fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
+    pub(super) fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {
         for v in p {
             self.finite(place, *v)?;
         }
@@ -175,6 +175,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
+    let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
     kept_sections(r, &document)?;
     let warnings = warnings(&mechanism, &legs);
     Ok(Machine {
@@ -185,6 +186,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         workspace,
         noise,
         targets,
+        contact,
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,

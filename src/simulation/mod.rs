@@ -15,7 +15,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
-use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
@@ -83,6 +83,17 @@ pub fn simulate<R: Rng + ?Sized>(
         samples.push(SimulatedSample { joints, truth: went, measured });
     }
     Ok(samples)
+}
+
+/// Heights over a plane that are measured where the true mechanism went, m.
+pub fn measured_heights<R: Rng + ?Sized>(
+    samples: &[SimulatedSample],
+    contact: &Contact,
+    noise: &Noise,
+    rng: &mut R,
+) -> Vec<f64> {
+    let height = |s: &SimulatedSample| contact.plane.height(&s.truth.place(&contact.tip)) + normal(rng, noise.position);
+    samples.iter().map(height).collect()
 }
 
 /// The simulated samples as full poses with this noise.

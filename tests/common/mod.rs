@@ -1,6 +1,7 @@
 //! What the integration tests share: the bundled case and small helpers.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
+pub mod campaign;
 pub mod planar;
 pub mod rotary;
 

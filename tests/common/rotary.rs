@@ -110,7 +110,8 @@ impl Mechanism for Rotary {
         let leg = |p: &[f64]| {
             let d = pose.place(&Vector3::new(p[0], p[1], 0.0)) - Vector3::new(p[5], p[6], 0.0);
             let cos = (p[3] * p[3] + d.norm_squared() - p[4] * p[4]) / (2.0 * p[3] * d.norm());
-            d.y.atan2(d.x) + cos.acos() - p[2]
+            // Outwards is far from where the arc tangent jumps.
+            (-d.y).atan2(-d.x) + std::f64::consts::PI + cos.acos() - p[2]
         };
         Ok(c.chunks(PER_LEG).map(leg).collect())
     }
