@@ -17,6 +17,9 @@
 //! | [`TargetMeasurement`] | positions of points on the platform | the points that are not known |
 //! | [`PlaneContact`] | heights of a point of the platform over a plane, 0 at a touch | the plane, if it is not known |
 //!
+//! Another kind of reading is another implementation; [`crate::conformance::measurement()`] checks it (feature
+//! `conformance`).
+//!
 //! **Frames.** A tracker reports in its own frame, and a target has a frame of its own: a full pose is
 //! measured as `B T(q) A` with `B` the base in the tracker's frame and `A` the target on the platform
 //! ([`Frames`]). Both are identities until a registration finds them

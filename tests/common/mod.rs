@@ -3,6 +3,7 @@
 
 pub mod campaign;
 pub mod planar;
+pub mod ranges;
 pub mod rotary;
 
 use paracal::files::{Machine, Measurement, read_measurement};
