@@ -97,7 +97,7 @@ fn inspection_shows_angles_in_degrees_and_does_not_mix_sigmas() {
     };
     let shown = text::inspection(&seen);
     assert!(shown.contains(&format!(" {:.3} deg", joints[0].to_degrees())), "{shown}");
-    assert!(shown.contains(" 800.000 0.000 0.000  "), "{shown}");
+    assert!(shown.contains(" -400.000 -692.820 0.000  "), "{shown}");
     assert!(shown.contains(&expected), "{expected}\n{shown}");
     let object = json::inspection(&seen);
     assert_eq!(object["joint_units"], serde_json::json!(["rad", "rad", "rad"]));

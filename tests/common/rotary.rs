@@ -26,7 +26,7 @@ impl Rotary {
     pub fn new() -> Self {
         let (mut specs, mut values, mut joints) = (Vec::new(), Vec::new(), Vec::new());
         for leg in 0..3 {
-            let angle = 2.0 * leg as f64 * std::f64::consts::FRAC_PI_3;
+            let angle = 2.0 * (leg as f64 - 1.0) * std::f64::consts::FRAC_PI_3;
             let numbers = [0.2 * angle.cos(), 0.2 * angle.sin(), 0.0, 0.4, 0.55, 0.8 * angle.cos(), 0.8 * angle.sin()];
             for (k, (name, nominal)) in ["xA", "yA", "o", "r", "s", "xB", "yB"].iter().zip(numbers).enumerate() {
                 let role = match k {
@@ -42,7 +42,7 @@ impl Rotary {
                 specs.push(ParameterSpec { name: format!("{name}{}", leg + 1), dimension, nominal, tolerance, role });
                 values.push(nominal);
             }
-            let stroke = Some([angle - 3.5, angle + 3.5]);
+            let stroke = Some([angle + 2.0, angle + 6.5]);
             joints.push(JointSpec { name: format!("leg{}", leg + 1), dimension: Dimension::Angle, stroke });
         }
         Self { specs, values, joints, home: Pose::identity() }
