@@ -100,6 +100,10 @@ fn contacts_conform_with_known_and_unknown_planes() {
                 .unwrap_or_else(|v| panic!("{normal:?}, known {known}: {v}"));
         }
     }
+    for size in [1e-320, 1.0, 1e308] {
+        let plane = Plane::new(&Vector3::new(0.0, -size, 0.0), 0.0).unwrap();
+        assert_eq!(*plane.normal, -Vector3::y());
+    }
     assert_eq!(Plane::new(&Vector3::zeros(), 0.0), None);
     assert_eq!(Plane::new(&Vector3::new(f64::NAN, 0.0, 1.0), 0.0), None);
     assert_eq!(Plane::new(&Vector3::new(f64::INFINITY, 0.0, 1.0), 0.0), None);

@@ -20,8 +20,10 @@ pub struct Plane {
 impl Plane {
     /// The plane with a normal of any length; `None` if the normal has none or a number is not finite.
     pub fn new(normal: &Vector3<f64>, distance: f64) -> Option<Self> {
-        let normal = Unit::try_new(*normal, 1e-12).filter(|n| n.iter().all(|v| v.is_finite()))?;
-        distance.is_finite().then_some(Self { normal, distance })
+        // The largest entry first: squares of very large or very small numbers are no numbers.
+        let largest = normal.amax();
+        let usable = largest > 0.0 && normal.iter().chain([&distance]).all(|v| v.is_finite());
+        usable.then(|| Self { normal: Unit::new_normalize(normal / largest), distance })
     }
 
     /// Height of a point over the plane, on the side to which the normal points, m.
