@@ -83,7 +83,7 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
     let first = &grid[..per_leg];
     let shared = first.iter().all(|p| p.spec.dimension == first[0].spec.dimension);
     let name = |p: &Estimate| {
-        let stem = p.spec.name.trim_end_matches('1');
+        let stem = p.spec.name.strip_suffix('1').unwrap_or(&p.spec.name);
         let (unit, _) = p.spec.dimension.in_tables();
         if shared { stem.to_owned() } else { format!("{stem} ({unit})") }
     };
