@@ -46,7 +46,7 @@
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo |
 //! | [`files`] | mechanism files (TOML), measurements and pose lists (CSV) |
 //! | [`report`] | results as text and JSON |
-//! | `conformance` | test suites for mechanisms, identifiers, indices and selectors (feature `conformance`) |
+//! | `conformance` | test suites for mechanisms, measurements, identifiers, indices and selectors (feature `conformance`) |
 //!
 //! # An example
 //!

@@ -39,6 +39,24 @@ impl Dimension {
         }
     }
 
+    /// What joints of that dimension are called: lengths, angles, or coordinates.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Length => "lengths",
+            Self::Angle => "angles",
+            _ => "coordinates",
+        }
+    }
+
+    /// The unit of tables for people, and how many of it make one SI unit: mm and deg, otherwise SI.
+    pub fn in_tables(self) -> (&'static str, f64) {
+        match self {
+            Self::Length => ("mm", 1e3),
+            Self::Angle => ("deg", 180.0 / std::f64::consts::PI),
+            _ => (self.si(), 1.0),
+        }
+    }
+
     /// The accepted units, for messages: `m | mm | um | in`.
     pub fn choices(self) -> String {
         UNITS.iter().filter(|u| u.dimension == self).map(|u| u.name).collect::<Vec<_>>().join(" | ")
@@ -118,6 +136,11 @@ impl Unit {
             .ok_or_else(|| UnitError::Unknown { found: name.into(), choices: dimension.choices() })
     }
 
+    /// The SI unit of a dimension.
+    pub fn si(dimension: Dimension) -> Self {
+        unit(dimension.si(), dimension, 1.0)
+    }
+
     /// SI value of `value` in this unit.
     pub fn to_si(self, value: f64) -> f64 {
         value * self.factor + self.offset
@@ -183,6 +206,16 @@ pub fn show_angle(radians: f64) -> String {
         "< 1e-6 arcsec".into()
     } else {
         format!("{} arcsec", three_digits(degrees * 3600.0))
+    }
+}
+
+/// A quantity as people read it: [`show_length`], [`show_angle`], or the number with its SI unit.
+pub fn show_quantity(value: f64, dimension: Dimension) -> String {
+    match dimension {
+        Dimension::Length => show_length(value),
+        Dimension::Angle => show_angle(value),
+        Dimension::None => three_digits(value),
+        _ => format!("{} {}", three_digits(value), dimension.si()),
     }
 }
 

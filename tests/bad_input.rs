@@ -397,6 +397,53 @@ fn pose_and_targets_together() {
     Bench::with_data(text).refuses_calibration(&["d.csv: ", "both a measured pose and measured targets", "keep one"]);
 }
 
+/// The joints of the data with further columns: their header and the same cells in every row.
+fn joints_with(header: &str, cells: &str) -> String {
+    let joints = |line: &str| line.split(',').take(6).collect::<Vec<_>>().join(",");
+    let row = |(k, line): (usize, &str)| format!("{},{}\n", joints(line), if k == 0 { header } else { cells });
+    DATA.lines().enumerate().map(row).collect()
+}
+
+#[test]
+fn contacts_together_with_something_else() {
+    let row = |(k, line): (usize, &str)| format!("{line},{}\n", if k == 0 { "contact_mm" } else { "1.0" });
+    let text: String = DATA.lines().enumerate().map(row).collect();
+    Bench::with_data(text).refuses_calibration(&["d.csv: ", "both a measured pose and measured contacts", "keep one"]);
+    let text = joints_with("p1x_mm,p1y_mm,p1z_mm,contact_mm", "1,2,3,4");
+    Bench::with_data(text).refuses_calibration(&["d.csv: ", "both measured targets and measured contacts", "keep one"]);
+}
+
+#[test]
+fn contacts_stated_wrongly() {
+    let refuses = |header: &str, cells: &str, parts: &[&str]| {
+        Bench::with_data(joints_with(header, cells)).refuses_calibration(parts);
+    };
+    refuses("contact_mm", "", &["d.csv: ", "no cell of the measured contacts is filled"]);
+    refuses("contact", "1", &["d.csv: column 'contact'", "must end in a unit (m | mm | um | in)", "'contact_mm'"]);
+    refuses("contact_deg", "1", &["d.csv: column 'contact_deg'", "'deg' is no unit of it", "m | mm | um | in"]);
+    refuses("contact_mm", "high", &["d.csv: data row 0 (line 2), column 'contact_mm'", "'high' is not a number"]);
+    refuses("contact_mm,sigma_contact_mm", "1,0", &["column 'sigma_contact_mm'", "'0' must be positive"]);
+    refuses("contact_mm,sigma_x_mm", "1,1", &["column 'sigma_x_mm'", "sigma of a pose", "sigma_contact_"]);
+    refuses("sigma_contact_mm", "1", &["d.csv: ", "sigma_contact_… without a column contact_…"]);
+}
+
+#[test]
+fn plane_stated_wrongly() {
+    let refuses = |section: &str, parts: &[&str]| {
+        Bench::with_mechanism(format!("{MECHANISM}\n[plane]\n{section}\n")).refuses_calibration(parts);
+    };
+    refuses(
+        "normal = [0, 0, 0.0]",
+        &["m.toml: [plane] normal", "[0.0, 0.0, 0.0] has no direction", "such as [0, 0, 1]"],
+    );
+    refuses("normal = [0, 0, inf]", &["m.toml: [plane] normal", "inf is not a finite number"]);
+    refuses("normal = [0, 1]", &["m.toml: ", "normal = [0, 1]", "array of length 3"]);
+    refuses("distance = nan", &["m.toml: [plane] distance", "NaN is not a finite number"]);
+    refuses("tip = [0, inf, 0]", &["m.toml: [plane] tip", "inf is not a finite number"]);
+    refuses("identify = 1", &["m.toml: ", "identify = 1", "boolean"]);
+    refuses("offset = 1", &["m.toml: ", "unknown field `offset`", "`normal`, `distance`, `tip`, `identify`"]);
+}
+
 #[test]
 fn nothing_measured() {
     let joints = |line: &str| line.split(',').take(6).collect::<Vec<_>>().join(",") + "\n";

@@ -115,6 +115,45 @@ fn parameter_errors_from_a_file_and_no_noise_give_exact_data() {
 }
 
 #[test]
+fn simulated_heights_calibrate_the_mechanism_and_an_unknown_plane() {
+    let folder = tempfile::tempdir().unwrap();
+    let table5 = common::text("mechanisms/table5.toml");
+    let write = |name: &str, plane: &str| {
+        std::fs::write(folder.path().join(name), format!("{table5}\n[plane]\n{plane}\n")).unwrap();
+    };
+    write("stands.toml", "normal = [0.05, 0, 1]\ndistance = 120\ntip = [100, 0, -200]");
+    write("drawn.toml", "tip = [100, 0, -200]\nidentify = true");
+    let select = "select stands.toml -n 150 -o p.csv --selector random --candidates 160";
+    json(folder.path(), &select.split(' ').collect::<Vec<_>>());
+    let simulate = "simulate stands.toml --poses p.csv -o d.csv --error-sd 0.3mm --measure contact --seed 4";
+    json(folder.path(), &simulate.split(' ').collect::<Vec<_>>());
+    let (header, _) = listed(folder.path(), "d.csv");
+    assert_eq!(header.join(","), "leg1_mm,leg2_mm,leg3_mm,leg4_mm,leg5_mm,leg6_mm,contact_mm");
+    let found = json(folder.path(), &["calibrate", "drawn.toml", "d.csv", "-o", "c.toml"]);
+    assert_eq!(found["trusted"], true);
+    assert!(number(&found, &["rms_after", "position_m"]) < 1.2e-6 && found["rms_after"]["rotation_rad"].is_null());
+    let plane: Vec<(&str, &str)> = found["measurement_parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| (p["name"].as_str().unwrap(), p["unit"].as_str().unwrap()))
+        .collect();
+    assert_eq!(plane, [("plane_tilt1", "rad"), ("plane_tilt2", "rad"), ("plane_distance", "m")]);
+    // About y, by the arc tangent of 0.05.
+    let tilt = number(&found["measurement_parameters"][1], &["value"]);
+    assert!((tilt - 0.05_f64.atan()).abs() < 1e-3, "{tilt}");
+    // The calibrated file has the plane and needs to find none.
+    let calibrated = std::fs::read_to_string(folder.path().join("c.toml")).unwrap();
+    assert!(calibrated.contains("\n[plane]\nnormal = [0.0") && !calibrated.contains("identify"), "{calibrated}");
+    let errors = json(folder.path(), &["evaluate", "c.toml", "d.csv"]);
+    assert!(number(&errors, &["rms", "position_m"]) < 1.2e-6 && errors["rms"]["rotation_rad"].is_null());
+    let shown = paracal(folder.path(), &["calibrate", "drawn.toml", "d.csv", "-o", "c.toml"]);
+    let shown = String::from_utf8(shown.stdout).unwrap();
+    assert!(shown.contains("150 samples (heights over an unknown plane)"), "{shown}");
+    assert!(shown.contains("Identified with the measurement\nparameter "), "{shown}");
+}
+
+#[test]
 fn misfit_beyond_chance_is_written_but_not_trusted() {
     let folder = tempfile::tempdir().unwrap();
     let text = common::text("mechanisms/table5.toml").replace("position = 0.001\n", "position = 0.0003\n");

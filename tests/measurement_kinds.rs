@@ -5,44 +5,20 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{machine, paper_noise, rms, true_mechanism, workspace};
+use common::campaign::{Campaign, campaign, held_out_over_predicted};
+use common::{machine, paper_noise, rms};
 use paracal::conditions::Conditions;
 use paracal::files::read_measurement;
-use paracal::identification::{
-    CalibrationOptions, CalibrationProblem, Identifier, LevenbergMarquardt, PriorPolicy, Task, calibrate,
-    pose_covariance,
-};
+use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate, pose_covariance};
 use paracal::measurement::{
-    Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, Sample, TargetMeasurement, TargetPoint,
+    Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, TargetMeasurement, TargetPoint,
 };
-use paracal::mechanism::{Mechanism, Workspace};
-use paracal::nalgebra::{DMatrix, DVector, Matrix3x6, Vector3};
+use paracal::nalgebra::{Matrix3x6, Vector3};
 use paracal::pose::Pose;
-use paracal::simulation::{SimulatedSample, simulate};
-use paracal::solve::LeastSquaresProblem;
+use paracal::simulation::SimulatedSample;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-
-struct Campaign {
-    nominal: Box<dyn Mechanism>,
-    truth: Box<dyn Mechanism>,
-    space: Workspace,
-    samples: Vec<Sample>,
-    run: Vec<SimulatedSample>,
-}
-
-fn campaign(poses: usize) -> Campaign {
-    let nominal = machine("table5").mechanism;
-    let truth = true_mechanism(nominal.as_ref());
-    let space = workspace(nominal.as_ref(), 100.0, 10.0);
-    let mut rng = ChaCha8Rng::seed_from_u64(21);
-    let wanted: Vec<Pose> = (0..poses).map(|_| space.random(&mut rng)).collect();
-    let run = simulate(nominal.as_ref(), truth.as_ref(), &wanted, &space.convention, &paper_noise(), &mut rng).unwrap();
-    let sample = |(row, s): (usize, &SimulatedSample)| Sample { row, joints: s.joints.clone(), ..Sample::default() };
-    let samples = run.iter().enumerate().map(sample).collect();
-    Campaign { nominal, truth, space, samples, run }
-}
 
 fn partial(c: &Campaign, measured: [bool; 6]) -> Dataset {
     let (p, r) = (1e-6, 1e-4_f64.to_radians());
@@ -94,22 +70,6 @@ fn one_missing_coordinate_is_no_obstacle() {
         let ratio = error_over_sigma(&c, &partial(&c, measured), &Vector3::zeros());
         assert!((0.5..1.6).contains(&ratio), "coordinate {missing}: {ratio:.3}");
     }
-}
-
-/// Mean square of whitened residuals of rows that were not fitted over their variance, the noise's and the
-/// model's: 1 + diag(J Cov Jᵀ). All parameters take part, those of the measurement too.
-fn held_out_over_predicted(c: &Campaign, data: &Dataset, fitted: usize) -> f64 {
-    let task = |data| Task { prior: PriorPolicy::Auto, ..Task::new(c.nominal.as_ref(), data) };
-    let (fit, rest): (Vec<usize>, Vec<usize>) = (0..data.len()).partition(|k| *k < fitted);
-    let (fit, rest) = (data.subset(&fit), data.subset(&rest));
-    let found = LevenbergMarquardt::default().identify(&task(&fit)).unwrap();
-    let x = DVector::from_iterator(found.parameters.len(), found.parameters.iter().map(|p| p.value));
-    let mut problem = CalibrationProblem::new(&task(&rest), None, 1.0).unwrap();
-    let (m, n) = problem.shape();
-    let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
-    problem.linearize(&x, &mut r, &mut j).unwrap();
-    let spread = &j * &found.covariance * j.transpose();
-    (0..m).map(|k| r[k] * r[k] / (1.0 + spread[(k, k)])).sum::<f64>() / m as f64
 }
 
 #[test]

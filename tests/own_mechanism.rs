@@ -4,6 +4,7 @@
 mod common;
 
 use common::planar::{Planar, workspace};
+use common::rotary;
 use paracal::conditions::Conditions;
 use paracal::conformance;
 use paracal::identification::{IDENTIFIERS, identifier};
@@ -14,6 +15,11 @@ use paracal::pose::{Pose, rotation_vector};
 #[test]
 fn a_planar_mechanism_conforms() {
     conformance::mechanism(&Planar::new(false), &workspace()).unwrap();
+}
+
+#[test]
+fn a_mechanism_with_cranks_conforms() {
+    conformance::mechanism(&rotary::Rotary::new(), &rotary::workspace()).unwrap();
 }
 
 #[test]

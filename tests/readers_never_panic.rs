@@ -23,7 +23,8 @@ static RICH_MECHANISM: LazyLock<String> = LazyLock::new(|| {
                 reference_temperature_degC = 20.0\nshared_anchors = false\n";
     let tail = "\n[home]\nposition = [0.0, 0.0, 485.696]\nrotation = [0.0, 0.0, 0.0]\n\n[platform]\nmass_kg = 500.0\n\
                 centre_of_mass = [0.0, 0.0, 150.0]\n\n[actuator]\nscrew_pitch = 5.0\n\n[[target]]\nname = \"p1\"\n\
-                platform = [1300.0, 0.0, 80.0]\n\n[[target]]\nname = \"ball\"\n";
+                platform = [1300.0, 0.0, 80.0]\n\n[[target]]\nname = \"ball\"\n\n[plane]\n\
+                normal = [0.1, 0.0, 1.0]\ndistance = 5.0\ntip = [1.0, 2.0, -3.0]\nidentify = true\n";
     format!("{head}{first}{tail}")
 });
 
@@ -45,6 +46,10 @@ static RICH_DATA: LazyLock<String> = LazyLock::new(|| {
 /// Commanded poses, and measured targets.
 const TARGETS: &str = "cmd_x_mm,cmd_y_mm,cmd_z_mm,cmd_rx_deg,p1x_mm,p1y_mm,p1z_mm,ballx_um,bally_um,ballz_um\n\
                        0,0,475,0,1300,0,555,1e3,2e3,475e3\n10,0,475,1,1310,0,555,,,\n0,-10,480,2,1300,-10,560,1,2,3\n";
+
+/// Measured heights.
+const HEIGHTS: &str = "leg1_mm,leg2_mm,leg3_mm,leg4_mm,leg5_mm,leg6_mm,contact_mm,sigma_contact_um\n\
+                       800,800,800,800,800,800,480,2\n810,800,800,800,800,790,,\n800,810,800,800,790,800,0,1\n";
 
 const POSES: &str = "id,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\na,0,0,475,0,0,0\nb,10,-10,480,1,2,3\n,1,1,475.5,0,0,5\n";
 
@@ -241,7 +246,7 @@ fn measurement(path: PathBuf) -> Result<Measurement, paracal::files::FileError> 
 fn the_texts_are_good_before_they_are_spoilt() {
     Machine::from_text(MECHANISM, Path::new("plain.toml")).unwrap();
     assert_eq!(MACHINE.targets.len(), 2);
-    for text in [DATA, &RICH_DATA, TARGETS] {
+    for text in [DATA, &RICH_DATA, TARGETS, HEIGHTS] {
         let (_folder, path) = file("d.csv", text.as_bytes());
         measurement(path).unwrap();
     }
@@ -320,7 +325,7 @@ proptest! {
 
     /// What is accepted holds finite lengths, one set for each reading.
     #[test]
-    fn measurement_files(text in bad_text(vec![DATA, &RICH_DATA, TARGETS])) {
+    fn measurement_files(text in bad_text(vec![DATA, &RICH_DATA, TARGETS, HEIGHTS])) {
         let (_folder, path) = file("bad.csv", &text);
         let named = path.clone();
         match in_time(move || measurement(path))? {

@@ -11,7 +11,9 @@ use crate::pose::Pose;
 
 const POSES: usize = 20;
 /// Step of central differences, m and rad: their error is about the square of it.
-const STEP: f64 = 1e-6;
+pub(super) const STEP: f64 = 1e-6;
+/// Names of the six small motions.
+pub(super) const MOTIONS: [&str; 6] = ["δt x", "δt y", "δt z", "δω x", "δω y", "δω z"];
 /// Agreement of an analytic with a numeric derivative, relative to the larger of its size and one.
 const AGREES: f64 = 1e-6;
 
@@ -129,7 +131,7 @@ fn closure_derivatives(m: &dyn Mechanism, pose: &Pose, joints: &[f64]) -> Result
         let mut d = Vector6::zeros();
         d[k] = STEP;
         let numeric = (residual(c, joints, &pose.moved(&d)) - residual(c, joints, &pose.moved(&-d))) / (2.0 * STEP);
-        let name = ["δt x", "δt y", "δt z", "δω x", "δω y", "δω z"][k];
+        let name = MOTIONS[k];
         compare("J1 agrees with differences", name, pose, &here.motion.column(k).into_owned(), &numeric)?;
     }
     for (k, spec) in m.parameters().iter().enumerate() {
@@ -197,7 +199,7 @@ fn refusals(m: &dyn Mechanism) -> Result<(), Violation> {
 }
 
 /// Central difference of `f` along entry `k` of `at`.
-fn differences(at: &[f64], k: usize, mut f: impl FnMut(&[f64]) -> DVector<f64>) -> DVector<f64> {
+pub(super) fn differences(at: &[f64], k: usize, mut f: impl FnMut(&[f64]) -> DVector<f64>) -> DVector<f64> {
     let mut shifted = at.to_vec();
     shifted[k] = at[k] + STEP;
     let plus = f(&shifted);
@@ -205,7 +207,7 @@ fn differences(at: &[f64], k: usize, mut f: impl FnMut(&[f64]) -> DVector<f64>) 
     (plus - f(&shifted)) / (2.0 * STEP)
 }
 
-fn compare(
+pub(super) fn compare(
     law: &'static str,
     name: &str,
     pose: &Pose,
@@ -222,7 +224,7 @@ fn compare(
     Ok(())
 }
 
-fn shown(pose: &Pose) -> String {
+pub(super) fn shown(pose: &Pose) -> String {
     let q = pose.coordinates().map(|v| format!("{v:.6}"));
     format!("pose ({})", q.join(", "))
 }

@@ -1,5 +1,5 @@
-//! Test suites for implementations of `Mechanism`, `Identifier`, `ObservabilityIndex` and `PoseSelector` (feature
-//! `conformance`).
+//! Test suites for implementations of `Mechanism`, `MeasurementModel`, `Identifier`, `ObservabilityIndex` and
+//! `PoseSelector` (feature `conformance`).
 //!
 //! What was written elsewhere is checked with one call in one test:
 //!
@@ -12,21 +12,24 @@
 //! | suite | checks |
 //! |---|---|
 //! | [`mechanism()`] | derivatives against differences, kinematics there and back, refusals |
+//! | [`measurement()`] | derivatives against differences in any frames, covariances, starts, stated poses and points |
 //! | [`identifier()`] | exact data, order of samples, covariance against Monte Carlo, refusals |
 //! | [`index()`] | finite values, goal, directions, and that the fast form chooses as brute force does |
 //! | [`selector()`] | number and feasibility of poses, repeatability on any threads, trace, unusual problems |
 //!
-//! The laws are those that the rest of the library relies on; a violation names the law, the parameter, joint or pose
+//! The laws are those that the rest of the library relies on; a violation names the law, the parameter, joint, row or pose
 //! that breaks it, and both numbers. Everything is drawn with a fixed seed, so that a failure repeats.
 
 mod blocks;
 mod identifier;
 mod index;
+mod measurement;
 mod mechanism;
 mod selector;
 
 pub use identifier::identifier;
 pub use index::index;
+pub use measurement::measurement;
 pub use mechanism::mechanism;
 pub use selector::selector;
 

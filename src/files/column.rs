@@ -18,6 +18,10 @@ pub(super) enum Meaning {
     Target(String, usize),
     /// 1σ of a coordinate of the measured pose.
     Sigma(usize),
+    /// Height of the tip over the plane.
+    Contact,
+    /// 1σ of such a height.
+    SigmaContact,
     /// Coordinate of the commanded pose.
     Commanded(usize),
     /// Clock time.
@@ -90,6 +94,12 @@ pub(super) fn column(
         }
         if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
             return with(Meaning::Commanded(k), pose_dimension(k));
+        }
+        if candidate == "contact" {
+            return with(Meaning::Contact, Dimension::Length);
+        }
+        if candidate == "sigma_contact" {
+            return with(Meaning::SigmaContact, Dimension::Length);
         }
         if let Some((target, axis)) = target(candidate, targets) {
             return with(Meaning::Target(target, axis), Dimension::Length);

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::PlaneSection;
 use super::writer::number;
 use crate::pose::RotationOrder;
 
@@ -59,6 +60,8 @@ pub struct MechanismDocument {
     pub tolerance: Option<ToleranceSection>,
     /// 1σ of the measurement.
     pub noise: Option<NoiseSection>,
+    /// The plane over which heights are measured.
+    pub plane: Option<PlaneSection>,
     /// Masses.
     pub platform: Option<PlatformSection>,
     /// Actuators.
@@ -195,7 +198,7 @@ pub struct NoiseSection {
     pub position: f64,
     /// 1σ of an angle.
     pub rotation: f64,
-    /// 1σ of a joint reading.
+    /// 1σ of a joint reading, in the unit of the joints.
     #[serde(default)]
     pub joint: f64,
 }
@@ -286,6 +289,7 @@ impl MechanismDocument {
                 text += &format!("joint = {}\n", number(s.joint));
             }
         }
+        text += &self.plane.as_ref().map_or(String::new(), PlaneSection::to_text);
         if let Some(s) = &self.platform {
             text += "\n[platform]\n";
             text += &s.mass_kg.map_or(String::new(), |v| format!("mass_kg = {}\n", number(v)));

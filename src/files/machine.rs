@@ -9,7 +9,8 @@ use super::document::{HomeSection, LegEntry, MechanismDocument, MountingSection,
 use super::error::{FileError, read_text};
 use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
-use crate::measurement::{Frames, Noise, TargetPoint};
+use super::plane::{PlaneSection, carried};
+use crate::measurement::{Contact, Frames, Noise, TargetPoint};
 use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
@@ -35,6 +36,8 @@ pub struct Machine {
     pub noise: Option<Noise>,
     /// Measured points of the platform.
     pub targets: Vec<TargetPoint>,
+    /// The plane over which heights are measured, and of which point.
+    pub contact: Contact,
     /// Unit of its lengths.
     pub length_unit: Unit,
     /// Unit of its angles.
@@ -77,9 +80,23 @@ impl Machine {
         build(&reader, document)
     }
 
+    /// Unit in which its files write numbers of a dimension: the stated one of lengths and angles, otherwise SI.
+    pub fn unit(&self, dimension: Dimension) -> Unit {
+        match dimension {
+            Dimension::Length => self.length_unit,
+            Dimension::Angle => self.angle_unit,
+            other => Unit::si(other),
+        }
+    }
+
     /// The mechanism by which the controller turns commanded poses into joints.
     pub fn commander(&self) -> &dyn Mechanism {
         self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())
+    }
+
+    /// The `[plane]` of its file for this contact.
+    pub fn plane_section(&self, contact: &Contact) -> PlaneSection {
+        PlaneSection::of(contact, self.length_unit)
     }
 
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
@@ -96,7 +113,7 @@ impl Machine {
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
         if let Some(parts) = parts(mechanism) {
-            return Ok(self.document_of_parts(&parts, workspace, targets));
+            return Ok(self.document_of_parts(&parts, workspace, targets, frames));
         }
         let Some(legs) = (mechanism as &dyn Any).downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
             return Err(FileError::Value {
@@ -128,16 +145,7 @@ impl Machine {
         document.home = Some(self.home_section(&mechanism.home()));
         document.nominal_home = Some(self.home_section(&self.commander().home()));
         document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
-        // What is stated on the platform moves with the platform frame.
-        let onto_target = frames.target.inverse();
-        let moved = |p: &mut [f64; 3]| {
-            *p = point(&onto_target.place(&Vector3::from_column_slice(p).map(|v| self.length_unit.to_si(v))));
-        };
-        if frames.target != Pose::identity() {
-            let platform = document.platform.iter_mut();
-            platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
-            document.targets.iter_mut().flat_map(|t| &mut t.platform).for_each(moved);
-        }
+        self.carry_sections(&mut document, frames);
         self.put_targets(&mut document, targets);
         Ok(document)
     }
@@ -149,6 +157,7 @@ impl Machine {
         parts: &Parts,
         workspace: Option<&Workspace>,
         targets: &[TargetPoint],
+        frames: &Frames,
     ) -> MechanismDocument {
         let mut document = self.document.clone();
         if document.nominal_legs.is_empty() {
@@ -165,8 +174,26 @@ impl Machine {
             let (target_position, target_rotation) = self.in_units(target.coordinates());
             MountingSection { base_position, base_rotation, target_position, target_rotation }
         });
+        self.carry_sections(&mut document, frames);
         self.put_targets(&mut document, targets);
         document
+    }
+
+    /// What is stated on the platform moves with the platform frame, what stands on the base with the base.
+    fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
+        let onto_target = frames.target.inverse();
+        let moved = |p: &mut [f64; 3]| {
+            let place = Vector3::from_column_slice(p).map(|v| self.length_unit.to_si(v));
+            *p = onto_target.place(&place).map(|v| self.length_unit.from_si(v)).into();
+        };
+        if frames.target != Pose::identity() {
+            let platform = document.platform.iter_mut();
+            platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
+            document.targets.iter_mut().flat_map(|t| &mut t.platform).for_each(moved);
+        }
+        if let Some(section) = document.plane.as_mut().filter(|_| !frames.is_identity()) {
+            *section = PlaneSection::of(&carried(&self.contact, frames), self.length_unit);
+        }
     }
 
     fn in_units(&self, q: [f64; 6]) -> ([f64; 3], [f64; 3]) {

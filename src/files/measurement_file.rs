@@ -6,13 +6,13 @@ use std::sync::Arc;
 use super::column::Meaning;
 use super::error::FileError;
 use super::machine::Machine;
+use super::readings::{contact_readings, pose_readings, target_readings};
 use super::table::Table;
 use super::time::parse_time;
 use crate::conditions::Conditions;
-use crate::measurement::{
-    Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, Sample, TargetMeasurement, TargetPoint,
-};
+use crate::measurement::{Dataset, MeasurementModel, Noise, PlaneContact, PoseMeasurement, Sample, TargetMeasurement};
 use crate::mechanism::{KinematicsError, characteristic_length};
+use crate::units::Dimension;
 
 /// A measurement file, read.
 #[derive(Debug)]
@@ -21,6 +21,8 @@ pub struct Measurement {
     pub data: Dataset,
     /// The targets, if points were measured.
     pub targets: Option<Arc<TargetMeasurement>>,
+    /// The heights over a plane, if they were measured.
+    pub contacts: Option<Arc<PlaneContact>>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -39,27 +41,41 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
     let has = |test: fn(&Meaning) -> bool| table.columns.iter().any(|c| test(&c.meaning));
     let poses = has(|m| matches!(m, Meaning::Pose(_) | Meaning::Quaternion(_)));
     let targets = has(|m| matches!(m, Meaning::Target(..)));
+    let contacts = has(|m| matches!(m, Meaning::Contact));
     let problem = |problem: &str| FileError::Header { path: path.into(), problem: problem.into() };
-    let mut measured_targets = None;
-    let model: Arc<dyn MeasurementModel> = match (poses, targets) {
-        (true, true) => return Err(problem("has both a measured pose and measured targets; keep one of them")),
-        (false, false) => {
-            return Err(problem("has no measured column; expected x_mm … rz_deg, or p1x_mm p1y_mm p1z_mm …"));
+    if !contacts && has(|m| matches!(m, Meaning::SigmaContact)) {
+        return Err(problem("has sigma_contact_… without a column contact_…; add it or delete the sigma"));
+    }
+    let (mut measured_targets, mut measured_contacts) = (None, None);
+    let model: Arc<dyn MeasurementModel> = match (poses, targets, contacts) {
+        (true, true, _) => return Err(problem("has both a measured pose and measured targets; keep one of them")),
+        (true, _, true) => return Err(problem("has both a measured pose and measured contacts; keep one of them")),
+        (_, true, true) => return Err(problem("has both measured targets and measured contacts; keep one of them")),
+        (false, false, false) => {
+            return Err(problem(
+                "has no measured column; expected x_mm … rz_deg, or p1x_mm p1y_mm p1z_mm …, or contact_mm",
+            ));
         }
-        (true, false) => {
+        (true, ..) => {
             let readings = pose_readings(&table, machine, &mut noise)?;
             if readings.iter().all(|r| !r.measured.contains(&true)) {
                 return Err(problem("no cell of the measured pose is filled; there is nothing to compare with"));
             }
             Arc::new(PoseMeasurement::new(machine.convention, readings))
         }
-        (false, true) => {
+        (_, true, _) => {
             let targets = Arc::new(target_readings(&table, machine, &mut noise)?);
             measured_targets = Some(Arc::clone(&targets));
             targets
         }
+        (_, _, true) => {
+            let contacts = Arc::new(PlaneContact::new(machine.contact, contact_readings(&table, &mut noise)?));
+            measured_contacts = Some(Arc::clone(&contacts));
+            contacts
+        }
     };
-    Ok(Measurement { data: Dataset::new(samples, model, noise), targets: measured_targets, warnings })
+    let data = Dataset::new(samples, model, noise);
+    Ok(Measurement { data, targets: measured_targets, contacts: measured_contacts, warnings })
 }
 
 /// Labels, joints and operating states.
@@ -74,9 +90,11 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
     let header = |problem: String| FileError::Header { path: table.path.clone(), problem };
     let from_pose = commanded.iter().any(Option::is_some) && missing.len() == joints.len();
     if !missing.is_empty() && !from_pose {
-        let unit = machine.length_unit.name;
+        let length = machine.length_unit.name;
+        let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);
+        let (noun, unit) = (joint.noun(), machine.unit(joint).name);
         return Err(header(format!(
-            "no column for {}; commanded lengths stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{unit} …",
+            "no column for {}; commanded {noun} stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{length} …",
             missing.join(", "),
             missing[0],
         )));
@@ -156,108 +174,4 @@ fn ignored_columns(table: &Table) -> Vec<usize> {
             && table.rows.iter().all(|(_, cells)| cells[k].parse::<f64>().is_err())
     };
     (0..table.columns.len()).filter(|k| text_only(*k)).collect()
-}
-
-fn pose_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<Vec<PoseReading>, FileError> {
-    let quaternion = table.quaternion_columns()?;
-    let mut every_sigma = true;
-    let mut readings = Vec::with_capacity(table.rows.len());
-    for row in 0..table.rows.len() {
-        let (p, r) = (noise.position, noise.rotation);
-        let mut reading = PoseReading { values: [0.0; 6], measured: [false; 6], sigma: [p, p, p, r, r, r] };
-        let mut has_sigma = [false; 6];
-        for (column, c) in table.columns.iter().enumerate() {
-            match c.meaning {
-                Meaning::Pose(k) => {
-                    if let Some(value) = table.number(row, column)? {
-                        reading.values[k] = value;
-                        reading.measured[k] = true;
-                    }
-                }
-                Meaning::Sigma(k) => {
-                    if let Some(sigma) = positive_sigma(table, row, column)? {
-                        reading.sigma[k] = sigma;
-                        has_sigma[k] = true;
-                    }
-                }
-                _ => {}
-            }
-        }
-        if let Some(turn) = quaternion.map(|columns| table.quaternion(row, &columns)).transpose()?.flatten() {
-            reading.values[3..].copy_from_slice(machine.convention.angles(&turn.to_rotation_matrix()).as_slice());
-            reading.measured[3..].fill(true);
-        }
-        every_sigma &= (0..6).all(|k| has_sigma[k] || !reading.measured[k]);
-        readings.push(reading);
-    }
-    noise_from_sigma(table, noise, every_sigma)?;
-    Ok(readings)
-}
-
-fn target_readings(table: &Table, machine: &Machine, noise: &mut Noise) -> Result<TargetMeasurement, FileError> {
-    let mut targets: Vec<TargetPoint> = Vec::new();
-    for column in &table.columns {
-        if let Meaning::Target(name, _) = &column.meaning
-            && targets.iter().all(|t| t.name != *name)
-        {
-            let known = machine.targets.iter().find(|t| t.name == *name);
-            targets.push(TargetPoint { name: name.clone(), platform: known.and_then(|t| t.platform) });
-        }
-    }
-    let mut readings = Vec::with_capacity(table.rows.len());
-    let mut sigmas = Vec::with_capacity(table.rows.len());
-    let mut every_sigma = true;
-    for row in 0..table.rows.len() {
-        let mut cells = vec![[None; 3]; targets.len()];
-        for (k, column) in table.columns.iter().enumerate() {
-            if let Meaning::Target(name, axis) = &column.meaning
-                && let Some(t) = targets.iter().position(|t| t.name == *name)
-            {
-                cells[t][*axis] = table.number(row, k)?;
-            }
-        }
-        let (mut sigma, mut has_sigma) = ([noise.position; 3], [false; 3]);
-        for (k, column) in table.columns.iter().enumerate() {
-            let Meaning::Sigma(axis) = column.meaning else { continue };
-            if axis >= 3 {
-                return Err(table.cell_error(row, k, "is the sigma of an angle; targets have positions only"));
-            }
-            if let Some(s) = positive_sigma(table, row, k)? {
-                sigma[axis] = s;
-                has_sigma[axis] = true;
-            }
-        }
-        every_sigma &= has_sigma == [true; 3];
-        sigmas.push(sigma);
-        readings.push(cells);
-    }
-    if readings.iter().flatten().flatten().all(Option::is_none) {
-        let problem = "no cell of the measured targets is filled; there is nothing to compare with".into();
-        return Err(FileError::Header { path: table.path.clone(), problem });
-    }
-    noise_from_sigma(table, noise, every_sigma)?;
-    Ok(TargetMeasurement::new(targets, readings, sigmas))
-}
-
-/// 1σ in a cell; `None` if it is empty.
-fn positive_sigma(table: &Table, row: usize, column: usize) -> Result<Option<f64>, FileError> {
-    let sigma = table.number(row, column)?;
-    if sigma.is_some_and(|s| s <= 0.0) {
-        let advice = "must be positive; leave the cell empty if it is not known";
-        return Err(table.cell_error(row, column, advice));
-    }
-    Ok(sigma)
-}
-
-/// Noise that the mechanism file does not state is known if the sigma columns state it for every reading.
-fn noise_from_sigma(table: &Table, noise: &mut Noise, every_sigma: bool) -> Result<(), FileError> {
-    let stated = table.columns.iter().any(|c| matches!(c.meaning, Meaning::Sigma(_)));
-    if stated && !noise.known {
-        if !every_sigma {
-            let problem = "states sigma for a part of the readings, and the mechanism file has no [noise] for the rest";
-            return Err(FileError::Header { path: table.path.clone(), problem: problem.into() });
-        }
-        noise.known = true;
-    }
-    Ok(())
 }

@@ -59,6 +59,11 @@ impl Reader<'_> {
         Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
     }
 
+    fn unit_of_joints(&self, mechanism: &dyn Mechanism) -> Unit {
+        let angles = mechanism.joints().first().is_some_and(|j| j.dimension == Dimension::Angle);
+        if angles { self.angle } else { self.length }
+    }
+
     pub(super) fn six(&self, place: &str, position: &[f64; 3], rotation: &[f64; 3]) -> Result<[f64; 6], FileError> {
         let p = self.point(place, position)?;
         for v in rotation {
@@ -242,10 +247,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         Some(n) => Some(Noise {
             position: r.length.to_si(r.known("[noise] position", n.position)?),
             rotation: r.angle.to_si(r.known("[noise] rotation", n.rotation)?),
-            joint: match mechanism.joints().first().map(|j| j.dimension) {
-                Some(Dimension::Angle) => r.angle.to_si(r.not_negative("[noise] joint", n.joint)?),
-                _ => r.length.to_si(r.not_negative("[noise] joint", n.joint)?),
-            },
+            joint: r.unit_of_joints(mechanism.as_ref()).to_si(r.not_negative("[noise] joint", n.joint)?),
             known: true,
         }),
     };
@@ -258,6 +260,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
+    let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
     kept_sections(r, &document)?;
     Ok(Machine {
         path: path.into(),
@@ -267,6 +270,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         workspace,
         noise,
         targets,
+        contact,
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,

@@ -6,7 +6,7 @@ use super::column::{Meaning, POSE_NAMES, pose_dimension};
 use super::error::FileError;
 use super::machine::Machine;
 use super::table::{Table, no_data_row, read_cells};
-use crate::mechanism::{Mechanism, ParameterRole};
+use crate::mechanism::{Mechanism, ParameterSpec};
 use crate::pose::Pose;
 use crate::units::{Dimension, Unit};
 
@@ -56,7 +56,8 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
 }
 
 /// Reads parameter errors (`leg,xA_mm,…,h_mm`) in the order of the parameters of a mechanism, SI; parameters
-/// that are not listed have none. Each leg and each column stands once.
+/// that are not listed have none. Each leg and each column stands once. A column is the name of a parameter without the
+/// number of its leg, and a unit of its dimension; a plain number has none.
 ///
 /// # Errors
 /// [`FileError`] naming row, column and what to do.
@@ -70,7 +71,8 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
         problem: "parameter errors need a column 'leg'".into(),
     })?;
     let specs = mechanism.parameters();
-    let legs = specs.iter().filter(|s| matches!(s.role, ParameterRole::JointOffset { .. })).count();
+    let legs = specs.iter().filter_map(|s| s.role.leg()).max().map_or(0, |last| last + 1);
+    let of_leg = |stem: &str, leg: usize| specs.iter().position(|s| is_called(s, stem, leg));
     let mut errors = vec![0.0; specs.len()];
     let mut listed = vec![false; legs];
     let mut units = Vec::new();
@@ -86,11 +88,21 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             units.push(None);
             continue;
         }
-        let (stem, unit) = name.rsplit_once('_').unwrap_or((name, ""));
-        let unit = Unit::of(Dimension::Length, unit).map_err(|e| column_error(name, e.to_string()))?;
-        if !specs.iter().any(|s| s.name == format!("{stem}1")) {
-            return Err(column_error(name, "is no parameter of a leg; use xA yA zA h xB yB zB with a unit".into()));
-        }
+        let with_unit = name.rsplit_once('_').unwrap_or((name, ""));
+        // A parameter without dimension has a name without unit.
+        let find = |stem: &str| (0..legs).find_map(|leg| of_leg(stem, leg)).map(|k| specs[k].dimension);
+        let (stem, dimension) = match (find(name), find(with_unit.0)) {
+            (Some(Dimension::None), _) => (name.as_str(), Dimension::None),
+            (_, Some(dimension)) => (with_unit.0, dimension),
+            _ => {
+                let known = stems(specs).join(" ");
+                return Err(column_error(name, format!("is no parameter of a leg; use {known} with a unit")));
+            }
+        };
+        let unit = match dimension {
+            Dimension::None => Unit::si(dimension),
+            _ => Unit::of(dimension, with_unit.1).map_err(|e| column_error(name, e.to_string()))?,
+        };
         units.push(Some((stem.to_owned(), unit)));
     }
     for (row, (line, cells)) in rows.iter().enumerate() {
@@ -117,10 +129,30 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             if !value.is_finite() {
                 return Err(cell_error(k, "is not a finite number"));
             }
-            if let Some(p) = specs.iter().position(|s| s.name == format!("{stem}{leg}")) {
-                errors[p] = unit.to_si(value);
+            match of_leg(stem, leg - 1) {
+                Some(p) => errors[p] = unit.to_si(value),
+                None if value == 0.0 => {}
+                None => return Err(cell_error(k, "belongs to a leg that has no such parameter; write 0")),
             }
         }
     }
     Ok(errors)
+}
+
+/// True for the parameter of a leg (from 0) whose name without the number of the leg is `stem`.
+fn is_called(spec: &ParameterSpec, stem: &str, leg: usize) -> bool {
+    let numbered = |rest: &str| rest == (leg + 1).to_string();
+    spec.role.leg() == Some(leg) && spec.name.strip_prefix(stem).is_some_and(numbered)
+}
+
+/// Names of the parameters of legs without their numbers, each once.
+fn stems(specs: &[ParameterSpec]) -> Vec<&str> {
+    let mut stems = Vec::new();
+    for spec in specs {
+        let number = spec.role.leg().map(|leg| (leg + 1).to_string());
+        if let Some(stem) = number.and_then(|n| spec.name.strip_suffix(n.as_str())).filter(|s| !stems.contains(s)) {
+            stems.push(stem);
+        }
+    }
+    stems
 }

@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use crate::measurement::Frames;
-use crate::mechanism::{Body, Mechanism, ParameterRole};
+use crate::mechanism::{Body, Mechanism, ParameterRole, ParameterSpec};
 use crate::pose::{Pose, fit_rigid_motion};
+use crate::units::Dimension;
 
 /// A parameter that deviates more than the workshop can explain.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Implausible {
     pub deviation: f64,
     /// Its tolerance, SI.
     pub tolerance: f64,
+    /// What the two measure.
+    pub dimension: Dimension,
 }
 
 /// What is convention, and what remains.
@@ -24,7 +27,7 @@ pub struct Plausibility {
     pub base: Pose,
     /// Pose of the target's frame on the platform, from the best rigid motion of the platform points.
     pub target: Pose,
-    /// Offset of each leg: true minus commanded length, against the start, m.
+    /// Offset of each joint: true minus commanded coordinate, against the start, SI.
     pub leg_offsets: Vec<f64>,
     /// Parameters beyond four tolerances after that.
     pub implausible: Vec<Implausible>,
@@ -58,13 +61,13 @@ pub fn plausibility(mechanism: &dyn Mechanism, values: &[f64]) -> Plausibility {
         for (k, spec) in specs.iter().enumerate() {
             let Some((leg, axis)) = body.coordinate(spec.role) else { continue };
             let Some((_, point)) = to.iter().find(|(l, _)| *l == leg) else { continue };
-            note(&mut implausible, &spec.name, back.place(point)[axis] - start[k], spec.tolerance);
+            note(&mut implausible, spec, back.place(point)[axis] - start[k]);
         }
     }
     for (k, spec) in specs.iter().enumerate() {
         let judged = matches!(spec.role, ParameterRole::JointScale { .. } | ParameterRole::LegDimension { .. });
         if judged {
-            note(&mut implausible, &spec.name, values[k] - start[k], spec.tolerance);
+            note(&mut implausible, spec, values[k] - start[k]);
         }
     }
     let offset = |k: usize| matches!(specs[k].role, ParameterRole::JointOffset { .. });
@@ -72,8 +75,8 @@ pub fn plausibility(mechanism: &dyn Mechanism, values: &[f64]) -> Plausibility {
     Plausibility { base: motions[0], target: motions[1].inverse(), leg_offsets, implausible }
 }
 
-fn note(implausible: &mut Vec<Implausible>, name: &str, deviation: f64, tolerance: Option<f64>) {
-    if let Some(tolerance) = tolerance.filter(|t| deviation.abs() > LIMIT * t) {
-        implausible.push(Implausible { name: name.into(), deviation, tolerance });
+fn note(implausible: &mut Vec<Implausible>, spec: &ParameterSpec, deviation: f64) {
+    if let Some(tolerance) = spec.tolerance.filter(|t| deviation.abs() > LIMIT * t) {
+        implausible.push(Implausible { name: spec.name.clone(), deviation, tolerance, dimension: spec.dimension });
     }
 }

@@ -1,6 +1,6 @@
 //! May the result be used? What speaks against it, and what the user should know.
 
-use super::{Calibration, Holdout, Identification};
+use super::{Calibration, Holdout, Identification, Implausible};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::units::{shortened, show_probability};
@@ -85,13 +85,15 @@ pub(super) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
         );
     }
     let implausible = &result.plausibility.implausible;
-    if let Some(worst) = implausible.iter().max_by(|a, b| a.deviation.abs().total_cmp(&b.deviation.abs())) {
+    let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;
+    if let Some(worst) = implausible.iter().max_by(|a, b| in_tolerances(a).total_cmp(&in_tolerances(b))) {
+        let (unit, per_si) = worst.dimension.in_tables();
         warnings.push(format!(
-            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} mm); \
+            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
              a small residual with such values means that another cause hides in them",
             implausible.len(),
             worst.name,
-            1e3 * worst.deviation
+            per_si * worst.deviation
         ));
     }
     if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {

@@ -12,6 +12,7 @@ use super::result::linearized;
 use super::{IdentifyError, Task, Weights};
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
 use crate::observability::{DECIDED, Spectrum};
+use crate::units::Dimension;
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]
@@ -196,7 +197,10 @@ fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
                     slide[1][k] = along[axis.index()] / scale[k];
                     together[axis.index()][k] = 1.0 / scale[k];
                 }
-                ParameterRole::JointOffset { leg: l } if l == *leg => slide[2][k] = 1.0 / scale[k],
+                // An angle does not follow a slide.
+                ParameterRole::JointOffset { leg: l } if l == *leg && spec.dimension == Dimension::Length => {
+                    slide[2][k] = 1.0 / scale[k];
+                }
                 _ => {}
             }
         }

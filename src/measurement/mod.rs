@@ -15,6 +15,10 @@
 //! |---|---|---|
 //! | [`PoseMeasurement`] | six coordinates of the pose, or some of them | – |
 //! | [`TargetMeasurement`] | positions of points on the platform | the points that are not known |
+//! | [`PlaneContact`] | heights of a point of the platform over a plane, 0 at a touch | the plane, if it is not known |
+//!
+//! Another kind of reading is another implementation; [`crate::conformance::measurement()`] checks it (feature
+//! `conformance`).
 //!
 //! **Frames.** A tracker reports in its own frame, and a target has a frame of its own: a full pose is
 //! measured as `B T(q) A` with `B` the base in the tracker's frame and `A` the target on the platform
@@ -24,6 +28,7 @@
 mod dataset;
 mod frames;
 mod noise;
+mod plane_contact;
 mod pose_measurement;
 mod targets;
 
@@ -34,6 +39,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 pub use dataset::{Dataset, Sample};
 pub use frames::Frames;
 pub use noise::Noise;
+pub use plane_contact::{Contact, ContactReading, Plane, PlaneContact};
 pub use pose_measurement::{PoseMeasurement, PoseReading};
 pub use targets::{TargetMeasurement, TargetPoint};
 

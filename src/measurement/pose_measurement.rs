@@ -71,7 +71,8 @@ impl PoseMeasurement {
         let seen = self.in_base(full, frames);
         let measured = if frames.is_identity() { reading_angles(reading) } else { self.convention.angles(&seen) };
         if measured.y.abs() > STEEP {
-            return (rotation_vector(&(pose.rotation * seen.inverse())), Matrix3::identity());
+            let turn = rotation_vector(&(pose.rotation * seen.inverse()));
+            return (turn, rotation_vector_rates(&turn));
         }
         let angles = self.convention.angles(&pose.rotation);
         (angles - measured, inverse_or_nan(&self.convention.angle_axes(&angles)))
@@ -80,6 +81,18 @@ impl PoseMeasurement {
 
 fn reading_angles(reading: &PoseReading) -> Vector3<f64> {
     Vector3::from_column_slice(&reading.values[3..])
+}
+
+/// `∂φ/∂δω` for a rotation vector `φ` whose rotation is followed by the small turn `δω`:
+/// `I - [φ]×/2 + (1/θ² - (1 + cos θ)/(2 θ sin θ)) [φ]×²` with `θ = |φ|`.
+fn rotation_vector_rates(turn: &Vector3<f64>) -> Matrix3<f64> {
+    let cross = turn.cross_matrix();
+    let angle = turn.norm();
+    let factor = match angle < 1e-2 {
+        true => 1.0 / 12.0 + angle * angle / 720.0,
+        false => 1.0 / (angle * angle) - (1.0 + angle.cos()) / (2.0 * angle * angle.sin()),
+    };
+    Matrix3::identity() - 0.5 * cross + factor * cross * cross
 }
 
 /// The angle in (−π, π] that differs from `angle` by whole turns.

@@ -60,6 +60,20 @@ pub enum ParameterRole {
     Other,
 }
 
+impl ParameterRole {
+    /// The leg that the parameter belongs to, if it belongs to one.
+    pub fn leg(self) -> Option<usize> {
+        match self {
+            Self::PlatformPoint { leg, .. }
+            | Self::BasePoint { leg, .. }
+            | Self::JointOffset { leg }
+            | Self::JointScale { leg }
+            | Self::LegDimension { leg } => Some(leg),
+            Self::Other => None,
+        }
+    }
+}
+
 /// One kinematic parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterSpec {

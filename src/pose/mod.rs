@@ -100,10 +100,11 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     let r = rotation.matrix();
     let v = 0.5 * Vector3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]);
     let (sine, cosine) = (v.norm(), 0.5 * (r.trace() - 1.0));
-    if cosine > 0.0 {
-        return if sine > 0.0 { v * (sine.atan2(cosine) / sine) } else { v };
+    if cosine <= 0.0 {
+        return UnitQuaternion::from_rotation_matrix(rotation).scaled_axis();
     }
-    UnitQuaternion::from_rotation_matrix(rotation).scaled_axis()
+    // Also for what is not a number, of which the quaternion would make no turn at all.
+    if sine == 0.0 { v } else { v * (sine.atan2(cosine) / sine) }
 }
 
 #[cfg(test)]
@@ -127,6 +128,12 @@ mod tests {
             b.cos() * a.cos(),
         );
         assert!((r.matrix() - printed).norm() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_no_turn_of_zero() {
+        let nan = Rotation3::from_matrix_unchecked(Matrix3::repeat(f64::NAN));
+        assert!(rotation_vector(&nan).iter().all(|v| v.is_nan()));
     }
 
     #[test]

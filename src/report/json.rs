@@ -4,10 +4,12 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::mechanism::ParameterRole;
 use crate::observability::PredictedError;
 use crate::pose::Pose;
 use crate::report::text::{Inspection, Selection};
 use crate::selection::Report;
+use crate::units::Dimension;
 
 /// A number, or `null` if it is not finite.
 fn real(value: f64) -> Value {
@@ -32,6 +34,11 @@ fn estimate(p: &Estimate) -> Value {
         "sigma": p.sigma.map(real),
         "unit": p.spec.dimension.si(),
     })
+}
+
+/// False for the offset of a joint that is not a length.
+fn length_offset(p: &Estimate) -> bool {
+    !matches!(p.spec.role, ParameterRole::JointOffset { .. }) || p.spec.dimension == Dimension::Length
 }
 
 fn predicted(p: &PredictedError) -> Value {
@@ -76,11 +83,12 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
             "registered": c.registration.applied,
             "base": motion(&c.plausibility.base),
             "target": motion(&c.plausibility.target),
-            "leg_offsets_m": c.plausibility.leg_offsets,
+            "leg_offsets_m": c.parameters[..found.mechanism_parameters].iter().all(length_offset).then_some(&c.plausibility.leg_offsets),
+            "joint_offsets": c.plausibility.leg_offsets,
         },
         "weak_directions": c.weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
         "implausible": c.plausibility.implausible.iter().map(|p| json!({
-            "name": p.name, "deviation": real(p.deviation), "tolerance": real(p.tolerance),
+            "name": p.name, "deviation": real(p.deviation), "tolerance": real(p.tolerance), "unit": p.dimension.si(),
         })).collect::<Vec<_>>(),
         "outlier_rows": outliers,
         "trusted": c.verdict.trusted,
@@ -127,6 +135,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
         "legs": (0..i.home_joints.len()).map(leg).collect::<Vec<_>>(),
         "home": i.convention.coordinates(&i.mechanism.home()),
         "joints": i.mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>(),
+        "joint_units": i.mechanism.joints().iter().map(|j| j.dimension.si()).collect::<Vec<_>>(),
         "home_joints": i.home_joints,
         "strokes": i.mechanism.joints().iter().map(|j| j.stroke).collect::<Vec<_>>(),
         "radius": real(i.radius),

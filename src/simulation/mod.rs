@@ -15,9 +15,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
-use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
-use crate::mechanism::{KinematicsError, Mechanism};
+use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
+use crate::units::Dimension;
 
 /// One simulated sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,11 +37,18 @@ fn normal<R: Rng + ?Sized>(rng: &mut R, sd: f64) -> f64 {
     sd * z
 }
 
-/// Parameters of a mechanism with a normal error on each: of standard deviation `sd`, or of its tolerance where
-/// `sd` is `None` (none where it has no tolerance).
+/// Parameters of a mechanism with a normal error on each: of standard deviation `sd` (m) for lengths and `sd` over the
+/// [`characteristic_length`] for angles; of its tolerance for other dimensions and where `sd` is `None` (none where it
+/// has no tolerance).
 pub fn draw_parameters<R: Rng + ?Sized>(mechanism: &dyn Mechanism, sd: Option<f64>, rng: &mut R) -> Vec<f64> {
-    let drawn = |(spec, value): (&crate::mechanism::ParameterSpec, &f64)| {
-        value + normal(rng, sd.or(spec.tolerance).unwrap_or(0.0))
+    let size = characteristic_length(mechanism);
+    let drawn = |(spec, value): (&ParameterSpec, &f64)| {
+        let asked = match spec.dimension {
+            Dimension::Length => sd,
+            Dimension::Angle => sd.map(|sd| sd / size),
+            _ => None,
+        };
+        value + normal(rng, asked.or(spec.tolerance).unwrap_or(0.0))
     };
     mechanism.parameters().iter().zip(mechanism.values()).map(drawn).collect()
 }
@@ -75,6 +83,17 @@ pub fn simulate<R: Rng + ?Sized>(
         samples.push(SimulatedSample { joints, truth: went, measured });
     }
     Ok(samples)
+}
+
+/// Heights over a plane that are measured where the true mechanism went, m.
+pub fn measured_heights<R: Rng + ?Sized>(
+    samples: &[SimulatedSample],
+    contact: &Contact,
+    noise: &Noise,
+    rng: &mut R,
+) -> Vec<f64> {
+    let height = |s: &SimulatedSample| contact.plane.height(&s.truth.place(&contact.tip)) + normal(rng, noise.position);
+    samples.iter().map(height).collect()
 }
 
 /// The simulated samples as full poses with this noise.

@@ -1,8 +1,11 @@
 //! What the integration tests share: the bundled case and small helpers.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
+pub mod campaign;
 pub mod kinds;
 pub mod planar;
+pub mod ranges;
+pub mod rotary;
 
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::{Dataset, Noise};

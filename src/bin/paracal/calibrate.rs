@@ -10,6 +10,7 @@ use paracal::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, identifier,
 };
+use paracal::measurement::MeasurementModel;
 use paracal::report::{json, text};
 
 use crate::common::{Ui, about, verdict};
@@ -127,12 +128,15 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 
     let targets =
         measurement.targets.as_ref().map(|t| t.located(&result.identification.own_values())).unwrap_or_default();
-    let document = machine.document_of(
+    let mut document = machine.document_of(
         result.mechanism.as_ref(),
         result.workspace.as_ref(),
         &targets,
         &result.registration.frames,
     )?;
+    if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.own_parameters().is_empty()) {
+        document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
+    }
     outputs.add(&args.output, document.to_text())?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;

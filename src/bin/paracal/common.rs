@@ -11,6 +11,7 @@ use paracal::conditions::Conditions;
 use paracal::files::{CsvTable, Machine, Measurement, number, read_measurement};
 use paracal::identification::IdentifyError;
 use paracal::measurement::Dataset;
+use paracal::mechanism::Mechanism;
 use paracal::units::Dimension;
 
 /// Exit code of a wrong input or call.
@@ -119,18 +120,27 @@ pub(crate) struct JointsAndPose {
 /// A table of joints and poses in the units of the mechanism file.
 pub(crate) fn joints_and_poses(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
     let (length, angle) = (machine.length_unit, machine.angle_unit);
+    let joints = machine.mechanism.joints();
     let labelled = rows.iter().any(|r| r.id.is_some());
     let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
-    header.extend(machine.mechanism.joints().iter().map(|j| format!("{}_{}", j.name, length.name)));
+    header.extend(joints.iter().map(|j| format!("{}_{}", j.name, machine.unit(j.dimension).name)));
     header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
     header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
     let row = |r: &JointsAndPose| {
         let mut cells: Vec<String> = if labelled { vec![r.id.clone().unwrap_or_default()] } else { Vec::new() };
-        cells.extend(r.joints.iter().chain(&r.pose[..3]).map(|v| number(length.from_si(*v))));
+        cells.extend(r.joints.iter().zip(joints).map(|(v, j)| number(machine.unit(j.dimension).from_si(*v))));
+        cells.extend(r.pose[..3].iter().map(|v| number(length.from_si(*v))));
         cells.extend(r.pose[3..].iter().map(|v| number(angle.from_si(*v))));
         cells
     };
     CsvTable { comments: vec![comment], header, rows: rows.iter().map(row).collect() }
+}
+
+/// What the joints of a mechanism are called: lengths, angles, or coordinates if they are of several kinds.
+pub(crate) fn joint_noun(mechanism: &dyn Mechanism) -> &'static str {
+    let mut nouns = mechanism.joints().iter().map(|j| j.dimension.noun());
+    let first = nouns.next().unwrap_or(Dimension::None.noun());
+    if nouns.all(|n| n == first) { first } else { Dimension::None.noun() }
 }
 
 /// Exit code of a result.
@@ -171,7 +181,7 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
     let distance = |k: &usize| (sample.joints[*k] - home[*k]).abs();
     let odd = (0..home.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     let spec = &mechanism.joints()[odd];
-    let unit = if spec.dimension == Dimension::Length { machine.length_unit } else { machine.angle_unit };
+    let unit = machine.unit(spec.dimension);
     let shown = |v: f64| format!("{:.3} {}", unit.from_si(v), unit.name);
     Some(format!(
         "{} is farthest from home with {} (home {}): correct the row or delete it, or check the mechanism file",

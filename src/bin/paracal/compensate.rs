@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use paracal::conditions::Conditions;
 use paracal::files::{ListedPose, Outputs, read_poses};
+use paracal::units::Dimension;
 use serde_json::json;
 
-use crate::common::{JointsAndPose, Ui, joints_and_poses};
+use crate::common::{JointsAndPose, Ui, joint_noun, joints_and_poses};
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
@@ -18,7 +19,7 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// List of poses that the platform should take.
     poses: PathBuf,
-    /// Table of the leg lengths to command.
+    /// Table of the leg lengths (joint angles of a rotary mechanism) to command.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
@@ -41,12 +42,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         }
         for (spec, value) in mechanism.joints().iter().zip(&joints) {
             if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
+                let (unit, per_si) = spec.dimension.in_tables();
                 outside.push(format!(
-                    "data row {row}: {} would be {:.3} mm, outside its stroke {:.3} to {:.3} mm",
+                    "data row {row}: {} would be {:.3} {unit}, outside its stroke {:.3} to {:.3} {unit}",
                     spec.name,
-                    1e3 * value,
-                    1e3 * from,
-                    1e3 * to
+                    per_si * value,
+                    per_si * from,
+                    per_si * to
                 ));
             }
         }
@@ -58,17 +60,21 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         pose: machine.convention.coordinates(&listed.pose),
     };
     let rows: Vec<JointsAndPose> = poses.iter().zip(&lengths).map(row).collect();
-    let comment = format!("lengths to command for {}", mechanism.name());
+    let noun = joint_noun(mechanism);
+    let comment = format!("{noun} to command for {}", mechanism.name());
     outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
     outputs.write()?;
     const SHOWN: usize = 5;
     outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
     if outside.len() > SHOWN {
-        ui.warn(&format!("{} more lengths are outside their strokes", outside.len() - SHOWN));
+        ui.warn(&format!("{} more {noun} are outside their strokes", outside.len() - SHOWN));
     }
-    let text = format!("{} poses: lengths to command are in {}", poses.len(), args.output.display());
-    let shown =
-        json!({ "poses": poses.len(), "outside_stroke": outside.len(), "lengths_m": lengths, "warnings": outside });
+    let text = format!("{} poses: {noun} to command are in {}", poses.len(), args.output.display());
+    let mut shown =
+        json!({ "poses": poses.len(), "outside_stroke": outside.len(), "joints": lengths, "warnings": outside });
+    if mechanism.joints().iter().all(|j| j.dimension == Dimension::Length) {
+        shown["lengths_m"] = json!(lengths);
+    }
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
 }

@@ -30,7 +30,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         .map_err(|error| about(error, &machine, &args.data, &measurement.data))?;
     let size = paracal::mechanism::characteristic_length(mechanism);
     if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
-        ui.warn("the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it");
+        ui.warn(match &measurement.contacts {
+            None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it",
+            Some(_) => "the errors are as large as the mechanism; check the [plane] of the mechanism file, or state identify = true there",
+        });
     }
     ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));
     Ok(ExitCode::SUCCESS)

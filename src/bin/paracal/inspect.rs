@@ -11,6 +11,7 @@ use paracal::measurement::Noise;
 use paracal::mechanism::{Body, Mechanism, ParameterRole, ParameterSpec, Survey, characteristic_length, condition};
 use paracal::report::{json, text};
 use paracal::selection::{Prospect, prospect};
+use paracal::units::Dimension;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -78,7 +79,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 
 /// Nominal lengths of the legs.
 fn lengths(mechanism: &dyn Mechanism) -> Vec<f64> {
-    let is_length = |s: &&ParameterSpec| matches!(s.role, ParameterRole::JointOffset { .. });
+    let is_length =
+        |s: &&ParameterSpec| matches!(s.role, ParameterRole::JointOffset { .. }) && s.dimension == Dimension::Length;
     mechanism.parameters().iter().filter(is_length).map(|s| s.nominal).collect()
 }
 

@@ -4,17 +4,24 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, anyhow};
-use paracal::files::{ListedPose, Outputs, read_parameter_errors, read_poses};
+use clap::ValueEnum;
+use paracal::files::{CsvTable, ListedPose, Outputs, number, read_parameter_errors, read_poses};
 use paracal::measurement::{Frames, Noise};
 use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
-use paracal::simulation::{SimulatedSample, draw_parameters, simulate};
-use paracal::units::{Dimension, parse_quantity, shortened, show_angle, show_length};
+use paracal::simulation::{SimulatedSample, draw_parameters, measured_heights, simulate};
+use paracal::units::{Dimension, Unit, parse_quantity, shortened, show_angle, show_length};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
 use crate::common::{JointsAndPose, Ui, joints_and_poses};
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Measure {
+    Pose,
+    Contact,
+}
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
@@ -30,10 +37,12 @@ pub(crate) struct Args {
     /// Measurement file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Draw a normal error of this standard deviation for every parameter.
+    /// Draw a normal error of this standard deviation for every parameter: angles get it divided by the mean radius of the
+    /// platform points, other parameters that are no lengths their tolerance, if it is stated.
     #[arg(long, value_name = "LENGTH", conflicts_with = "errors")]
     error_sd: Option<String>,
-    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm.
+    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm; for other mechanisms their own parameters, such
+    /// as o_deg.
     #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
     /// 1 sigma of a measured position coordinate; that of the mechanism file if absent.
@@ -42,6 +51,10 @@ pub(crate) struct Args {
     /// 1 sigma of a measured angle; that of the mechanism file if absent.
     #[arg(long, value_name = "ANGLE")]
     noise_rotation: Option<String>,
+    /// What is measured: full poses, or the height over the plane of the mechanism file (contact_mm), which has the noise
+    /// of a position.
+    #[arg(long, value_enum, default_value = "pose")]
+    measure: Measure,
     /// Seed of errors and noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -101,28 +114,41 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         pose: sample.measured,
     };
     let rows: Vec<JointsAndPose> = listed.iter().zip(&samples).map(row).collect();
-    let (p, r) = (show_length(noise.position), show_angle(noise.rotation));
-    let comment = format!("simulated: {}, noise {p} and {r}, seed {}", mechanism.name(), args.seed);
-    outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
+    let shown_noise = match args.measure {
+        Measure::Pose => format!("{} and {}", show_length(noise.position), show_angle(noise.rotation)),
+        Measure::Contact => show_length(noise.position),
+    };
+    let comment = format!("simulated: {}, noise {shown_noise}, seed {}", mechanism.name(), args.seed);
+    let mut table = joints_and_poses(&machine, comment, &rows);
+    if args.measure == Measure::Contact {
+        let heights = measured_heights(&samples, &machine.contact, &noise, &mut rng);
+        with_heights(&mut table, &heights, machine.length_unit);
+    }
+    outputs.add(&args.output, table.to_text())?;
     if let Some(path) = &args.truth {
         let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[], &Frames::default())?;
         outputs.add(path, document.to_text())?;
     }
     outputs.write()?;
-    let text = format!(
-        "{} samples in {}: noise {} and {}, seed {}",
-        samples.len(),
-        args.output.display(),
-        show_length(noise.position),
-        show_angle(noise.rotation),
-        args.seed
-    );
+    let text =
+        format!("{} samples in {}: noise {shown_noise}, seed {}", samples.len(), args.output.display(), args.seed);
     let shown = json!({
         "rows": samples.len(), "noise_position_m": noise.position, "noise_rotation_rad": noise.rotation,
         "seed": args.seed, "true_values": truth.values(),
     });
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
+}
+
+/// Puts heights in the place of the six columns of the pose.
+fn with_heights(table: &mut CsvTable, heights: &[f64], unit: Unit) {
+    let joints = table.header.len() - 6;
+    table.header.truncate(joints);
+    table.header.push(format!("contact_{}", unit.name));
+    for (row, height) in table.rows.iter_mut().zip(heights) {
+        row.truncate(joints);
+        row.push(number(unit.from_si(*height)));
+    }
 }
 
 fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {

@@ -7,7 +7,7 @@ use crate::identification::WeakDirection;
 use crate::mechanism::{Mechanism, Survey};
 use crate::pose::PoseConvention;
 use crate::selection::Prospect;
-use crate::units::{fixed, show_angle, show_length, three_digits};
+use crate::units::{Dimension, fixed, show_angle, show_length, show_quantity, three_digits};
 
 /// What `inspect` found.
 pub struct Inspection<'a> {
@@ -46,13 +46,20 @@ pub fn inspection(i: &Inspection<'_>) -> String {
             .find(|(leg, _)| *leg == k)
             .map_or_else(|| "-".into(), |(_, p)| format!("{} {} {}", mm(p.x), mm(p.y), mm(p.z)))
     };
+    // Points are lengths; joints need not be, and say so then.
+    let lengths = i.mechanism.joints().iter().all(|j| j.dimension == Dimension::Length);
     let mut header = vec!["joint", "platform point", "base point", "home"];
     if i.survey.is_some() {
         header.push("over the workspace");
     }
     let row = |(k, joint): (usize, &crate::mechanism::JointSpec)| {
-        let mut cells = vec![joint.name.clone(), point(&i.platform, k), point(&i.base, k), mm(i.home_joints[k])];
-        cells.extend(i.survey.as_ref().map(|s| format!("{} {}", mm(s.joint_range[k][0]), mm(s.joint_range[k][1]))));
+        let (unit, per_si) = joint.dimension.in_tables();
+        let unit = if lengths { String::new() } else { format!(" {unit}") };
+        let shown = |v: f64| fixed(per_si * v, 3);
+        let mut cells = vec![joint.name.clone(), point(&i.platform, k), point(&i.base, k)];
+        cells.push(format!("{}{unit}", shown(i.home_joints[k])));
+        let range = |[from, to]: [f64; 2]| format!("{} {}{unit}", shown(from), shown(to));
+        cells.extend(i.survey.as_ref().map(|s| range(s.joint_range[k])));
         cells
     };
     let rows: Vec<Vec<String>> = i.mechanism.joints().iter().enumerate().map(row).collect();
@@ -92,14 +99,12 @@ pub fn inspection(i: &Inspection<'_>) -> String {
 
 fn prospect(mechanism: &dyn Mechanism, p: &Prospect, weak: &[WeakDirection]) -> String {
     let f = &p.forecast;
-    let variance = |(k, scale): (usize, &f64)| f.covariance[(k, k)] * scale * scale;
     let total = mechanism.parameters().len();
-    let rms = (p.scale.iter().enumerate().map(variance).sum::<f64>() / total as f64).sqrt();
     let mut text = format!("\nWhat {} well chosen poses of the workspace could tell:\n", p.poses.len());
     text += &format!("  {} of {total} parameter directions", total - weak.len());
     text += &format!(
         ", parameters to {} (RMS sigma{})\n",
-        show_length(rms),
+        sigmas(mechanism, p).join(" and "),
         if f.prior { ", tolerances as prior" } else { "" }
     );
     let e = &f.error;
@@ -112,4 +117,23 @@ fn prospect(mechanism: &dyn Mechanism, p: &Prospect, weak: &[WeakDirection]) -> 
         text += &format!("  and {} more\n", weak.len() - SHOWN);
     }
     text
+}
+
+/// RMS of the predicted σ of the parameters, for each dimension that they have.
+fn sigmas(mechanism: &dyn Mechanism, p: &Prospect) -> Vec<String> {
+    let specs = mechanism.parameters();
+    let mut dimensions: Vec<Dimension> = Vec::new();
+    for spec in specs {
+        if !dimensions.contains(&spec.dimension) {
+            dimensions.push(spec.dimension);
+        }
+    }
+    let rms = |dimension: &Dimension| {
+        let variances: Vec<f64> = (0..specs.len())
+            .filter(|k| specs[*k].dimension == *dimension)
+            .map(|k| p.forecast.covariance[(k, k)] * p.scale[k] * p.scale[k])
+            .collect();
+        show_quantity((variances.iter().sum::<f64>() / variances.len() as f64).sqrt(), *dimension)
+    };
+    dimensions.iter().map(rms).collect()
 }

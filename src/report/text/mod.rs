@@ -37,33 +37,82 @@ fn errors_row(name: &str, e: &ErrorSummary) -> Vec<String> {
     vec![name.into(), shown(e.position, show_length), shown(e.rotation, show_angle)]
 }
 
-/// Deviations of the parameters from the file with their σ: a line of each for a leg, in mm.
+/// How many leading parameters make a grid of legs (each with the same ones in the same order), and how many each leg
+/// has; `(0, 1)` if they make none that fits the terminal.
+fn leg_grid(parameters: &[Estimate]) -> (usize, usize) {
+    let leg = |p: &Estimate| p.spec.role.leg();
+    let per_leg = parameters.iter().take_while(|p| leg(p) == Some(0)).count();
+    let count = parameters.iter().take_while(|p| leg(p).is_some()).count();
+    let (grid, rest) = parameters.split_at(count);
+    let kind = |p: &Estimate| {
+        let number = leg(p).map_or(0, |l| l + 1).to_string();
+        p.spec.name.strip_suffix(&number).map(|stem| (stem.to_owned(), p.spec.dimension))
+    };
+    let alike = |(k, p): (usize, &Estimate)| {
+        leg(p) == Some(k / per_leg) && kind(p).is_some() && kind(p) == kind(&parameters[k % per_leg])
+    };
+    let fits = (1..=8).contains(&per_leg)
+        && count.is_multiple_of(per_leg)
+        && grid.iter().enumerate().all(alike)
+        && rest.iter().all(|p| leg(p).is_none());
+    if fits { (count, per_leg) } else { (0, 1) }
+}
+
+/// Deviations of the parameters from the file with their σ: a line of each for a leg, then the others one by one.
 fn parameter_table(parameters: &[Estimate]) -> String {
-    let per_leg = parameters.iter().take_while(|p| p.spec.name.ends_with('1')).count();
-    let grid = per_leg > 0
-        && parameters.len().is_multiple_of(per_leg)
-        && per_leg <= 8
-        && parameters.iter().all(|p| p.spec.dimension == Dimension::Length);
-    if !grid {
+    let (count, per_leg) = leg_grid(parameters);
+    let (grid, rest) = parameters.split_at(count);
+    let mut text = if grid.is_empty() { String::new() } else { leg_table(grid, per_leg) };
+    if !rest.is_empty() {
         let row = |p: &Estimate| {
             let sigma = p.sigma.map_or_else(|| "?".into(), |s| format!("{s:.3e}"));
             let deviation = format!("{:+.6e}", p.value - p.start);
             vec![p.spec.name.clone(), format!("{:.9}", p.value), deviation, sigma, p.spec.dimension.si().into()]
         };
-        let rows: Vec<Vec<String>> = parameters.iter().map(row).collect();
-        return table(&["parameter", "value", "deviation", "sigma", "unit"], &rows);
+        let rows: Vec<Vec<String>> = rest.iter().map(row).collect();
+        if !grid.is_empty() {
+            text.push('\n');
+        }
+        text += &table(&["parameter", "value", "deviation", "sigma", "unit"], &rows);
     }
-    let names: Vec<String> = parameters[..per_leg].iter().map(|p| p.spec.name.trim_end_matches('1').into()).collect();
+    text
+}
+
+/// The table of the legs. Its unit stands above it, or behind the names of the columns if these differ in dimension.
+fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
+    let first = &grid[..per_leg];
+    let shared = first.iter().all(|p| p.spec.dimension == first[0].spec.dimension);
+    let name = |p: &Estimate| {
+        let stem = p.spec.name.strip_suffix('1').unwrap_or(&p.spec.name);
+        let (unit, _) = p.spec.dimension.in_tables();
+        if shared { stem.to_owned() } else { format!("{stem} ({unit})") }
+    };
+    let names: Vec<String> = first.iter().map(name).collect();
     let mut header = vec!["leg"];
     header.extend(names.iter().map(String::as_str));
+    // A ten thousandth of a millimetre at an arm of a metre is some 1e-5 degrees.
+    let shown = |v: f64, dimension: Dimension| {
+        let (_, per_si) = dimension.in_tables();
+        (per_si * v, if dimension == Dimension::Length { 4 } else { 5 })
+    };
     let mut rows = Vec::new();
-    for (leg, chunk) in parameters.chunks(per_leg).enumerate() {
-        let deviations = chunk.iter().map(|p| format!("{:+.4}", 1e3 * (p.value - p.start)));
+    for (leg, chunk) in grid.chunks(per_leg).enumerate() {
+        let deviations = chunk.iter().map(|p| {
+            let (v, decimals) = shown(p.value - p.start, p.spec.dimension);
+            format!("{v:+.decimals$}")
+        });
         rows.push(std::iter::once((leg + 1).to_string()).chain(deviations).collect());
-        let sigmas = chunk.iter().map(|p| p.sigma.map_or_else(|| "?".into(), |s| format!("~{:.4}", 1e3 * s)));
+        let sigmas = chunk.iter().map(|p| {
+            let text = |s: f64| {
+                let (v, decimals) = shown(s, p.spec.dimension);
+                format!("~{v:.decimals$}")
+            };
+            p.sigma.map_or_else(|| "?".into(), text)
+        });
         rows.push(std::iter::once(String::new()).chain(sigmas).collect());
     }
-    format!("Deviation from the file and its 1 sigma (~), mm\n{}", table(&header, &rows))
+    let unit = if shared { format!(", {}", first[0].spec.dimension.in_tables().0) } else { String::new() };
+    format!("Deviation from the file and its 1 sigma (~){unit}\n{}", table(&header, &rows))
 }
 
 /// What `calibrate` prints; the last line is the result in one sentence.
@@ -75,7 +124,10 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
     let mut text = format!("{title}\n{samples} samples ({kind}), {identifier}, {prior}\n\n");
     text += &parameter_table(&found.parameters[..n]);
     if found.parameters.len() > n {
-        text += "\nIdentified target coordinates\n";
+        // Three coordinates for each target; any other measurement has parameters of its own kind.
+        let points =
+            found.parameters[n..].chunks(3).all(|p| p.iter().zip("xyz".chars()).all(|(p, c)| p.spec.name.ends_with(c)));
+        text += if points { "\nIdentified target coordinates\n" } else { "\nIdentified with the measurement\n" };
         text += &parameter_table(&found.parameters[n..]);
     }
     text += "\n";
@@ -115,8 +167,10 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
     text += &weak_directions(c);
     let implausible = &c.plausibility.implausible;
     for p in implausible.iter().take(SHOWN) {
-        let (deviation, tolerance) = (1e3 * p.deviation, 1e3 * p.tolerance);
-        text += &format!("Implausible: {} deviates by {deviation:+.3} mm (tolerance {tolerance:.3} mm).\n", p.name);
+        let (unit, per_si) = p.dimension.in_tables();
+        let (deviation, tolerance) = (per_si * p.deviation, per_si * p.tolerance);
+        text +=
+            &format!("Implausible: {} deviates by {deviation:+.3} {unit} (tolerance {tolerance:.3} {unit}).\n", p.name);
     }
     if implausible.len() > SHOWN {
         text += &format!("and {} more implausible parameters (--json lists all)\n", implausible.len() - SHOWN);
