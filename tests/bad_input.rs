@@ -297,7 +297,12 @@ fn point_with_two_coordinates() {
 #[test]
 fn unknown_type_of_mechanism() {
     let text = replaced(MECHANISM, "six-hardpoint\"", "delta\"");
-    Bench::with_mechanism(text).refuses_calibration(&["m.toml: type", "'delta'", "use \"six-hardpoint\""]);
+    Bench::with_mechanism(text).refuses_calibration(&[
+        "m.toml: type",
+        "'delta'",
+        "use one of \"six-hardpoint\"",
+        "\"linear-delta\"",
+    ]);
 }
 
 #[test]

@@ -1,11 +1,14 @@
 //! Kinematics of any mechanism from its closure equations.
 
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
 use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
-use crate::solve::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
+use crate::solve::{
+    EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, NewtonError, NewtonOptions,
+    NewtonProblem, NewtonSolution, SolveError, least_squares, newton,
+};
 
 /// Smallest part of the way that [`follow_joints`] tries in one step.
 const SHORTEST_PART: f64 = 1.0 / 256.0;
@@ -70,30 +73,86 @@ pub fn follow_joints(
     Ok(pose)
 }
 
-/// Closure equations as six equations: for `m > 6` rows the least-squares pose, through the QR decomposition of `J₁`.
-struct RowsProblem<'a, F> {
+/// Six closure equations.
+struct SixRows<'a, F> {
     rows: &'a mut F,
     joints: &'a [f64],
 }
 
-impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> NewtonProblem for RowsProblem<'_, F> {
+impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> NewtonProblem for SixRows<'_, F> {
     type Point = Pose;
 
     fn linearize(&mut self, pose: &Pose, residual: &mut Vector6<f64>, jacobian: &mut Matrix6<f64>) {
-        let (mut rows, motion) = (self.rows)(self.joints, pose);
-        if motion.nrows() == 6 {
-            residual.copy_from(&rows);
-            jacobian.copy_from(&motion);
-            return;
-        }
-        let qr = motion.qr();
-        qr.q_tr_mul(&mut rows);
-        residual.copy_from(&rows.rows(0, 6));
-        jacobian.copy_from(&qr.r());
+        let (rows, motion) = (self.rows)(self.joints, pose);
+        residual.copy_from(&rows);
+        jacobian.copy_from(&motion);
     }
 
     fn step(&self, pose: &Pose, delta: &Vector6<f64>) -> Pose {
         pose.moved(delta)
+    }
+}
+
+/// More than six closure equations, by the motion from a seed.
+struct ManyRows<'a, F> {
+    rows: &'a mut F,
+    joints: &'a [f64],
+    seed: Pose,
+    equations: usize,
+}
+
+impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> LeastSquaresProblem for ManyRows<'_, F> {
+    fn shape(&self) -> (usize, usize) {
+        (self.equations, 6)
+    }
+
+    fn linearize(
+        &mut self,
+        x: &DVector<f64>,
+        residual: &mut DVector<f64>,
+        jacobian: &mut DMatrix<f64>,
+    ) -> Result<(), EvaluationError> {
+        let (rows, motion) = (self.rows)(self.joints, &self.seed.moved(&x.fixed_rows::<6>(0).into_owned()));
+        residual.copy_from(&rows);
+        jacobian.copy_from(&motion);
+        // Small turns on top of the rotation vector ω: exp(ω + dω) = exp(J dω) exp(ω).
+        let w = Vector3::new(x[3], x[4], x[5]);
+        let (angle, cross) = (w.norm(), w.cross_matrix());
+        let (b, c) = if angle > 1e-4 {
+            ((1.0 - angle.cos()) / angle.powi(2), (angle - angle.sin()) / angle.powi(3))
+        } else {
+            (0.5, 1.0 / 6.0)
+        };
+        let turns = Matrix3::identity() + cross * b + cross * cross * c;
+        jacobian.columns_mut(3, 3).copy_from(&(motion.columns(3, 3) * turns));
+        Ok(())
+    }
+}
+
+/// The pose in which more than six closure equations hold best.
+fn best_pose(
+    joints: &[f64],
+    seed: &Pose,
+    equations: usize,
+    rows: &mut impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
+) -> Result<NewtonSolution<Pose>, NewtonError> {
+    let mut problem = ManyRows { rows, joints, seed: *seed, equations };
+    let options = LeastSquaresOptions { residual_floor: 1e-15, max_iterations: 100, ..Default::default() };
+    match least_squares(&mut problem, DVector::zeros(6), LeastSquaresMethod::LevenbergMarquardt, &options) {
+        Ok(found) => Ok(NewtonSolution {
+            point: seed.moved(&found.x.fixed_rows::<6>(0).into_owned()),
+            iterations: found.history.len() as u64,
+            // With more than six rows there is no sign that tells the sides of a singularity apart.
+            determinant: 0.0,
+        }),
+        Err(SolveError::NoConvergence { iterations, cost, step, .. }) => Err(NewtonError::NoConvergence {
+            iterations: iterations as u64,
+            residual: (2.0 * cost).sqrt(),
+            step,
+            residuals: Vector6::repeat(f64::NAN),
+        }),
+        Err(SolveError::NotFinite { iterations }) => Err(NewtonError::NotFinite { iterations: iterations as u64 }),
+        Err(_) => Err(NewtonError::Singular { iterations: 0, pivot_ratio: 0.0 }),
     }
 }
 
@@ -109,11 +168,14 @@ pub fn forward_by_rows(
     mut rows: impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
 ) -> Result<Pose, KinematicsError> {
     let (_, motion) = rows(joints, seed);
-    // The starting pose tells on which side of the singularities the mechanism works. With more than six rows
-    // there is no such sign.
-    let side = if motion.nrows() == 6 { motion.determinant().signum() } else { 0.0 };
+    if motion.nrows() > 6 {
+        let solve = |joints: &[f64], seed: &Pose| best_pose(joints, seed, motion.nrows(), &mut rows);
+        return follow_joints(joints, seed, seed_joints, 0.0, solve);
+    }
+    // The starting pose tells on which side of the singularities the mechanism works.
+    let side = motion.determinant().signum();
     follow_joints(joints, seed, seed_joints, side, |joints, seed| {
-        newton(RowsProblem { rows: &mut rows, joints }, *seed, NewtonOptions::default())
+        newton(SixRows { rows: &mut rows, joints }, *seed, NewtonOptions::default())
     })
 }
 

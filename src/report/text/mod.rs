@@ -51,7 +51,7 @@ fn leg_grid(parameters: &[Estimate]) -> (usize, usize) {
     let alike = |(k, p): (usize, &Estimate)| {
         leg(p) == Some(k / per_leg) && kind(p).is_some() && kind(p) == kind(&parameters[k % per_leg])
     };
-    let fits = (1..=8).contains(&per_leg)
+    let fits = (1..=9).contains(&per_leg)
         && count.is_multiple_of(per_leg)
         && grid.iter().enumerate().all(alike)
         && rest.iter().all(|p| leg(p).is_none());
