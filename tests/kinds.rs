@@ -71,7 +71,7 @@ fn noisy_data_reach_their_covariance() {
             m = Box::new(kinds::delta().identifying(|p| !p.name.contains('A')).unwrap());
         }
         // Cables are read with noise: their lengths say more than the pose needs.
-        let noise = Noise { joint: if m.equations() > 6 { 1e-6 } else { 0.0 }, ..Noise::stated(1e-6, 3e-6) };
+        let noise = Noise { joint: if m.equations() > 6 { 1e-6 } else { 0.0 }, ..Noise::stated(1e-7, 3e-7) };
         for name in ["levenberg-marquardt", "least-squares"] {
             let chosen = identifier(name).unwrap();
             conformance::identifier(chosen.as_ref(), m.as_ref(), &space, &noise, 60)

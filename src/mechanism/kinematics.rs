@@ -6,8 +6,8 @@ use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 use crate::solve::{
-    EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, NewtonError, NewtonOptions,
-    NewtonProblem, NewtonSolution, SolveError, least_squares, newton,
+    EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, LeastSquaresSolution, NewtonError,
+    NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton,
 };
 
 /// Smallest part of the way that [`follow_joints`] tries in one step.
@@ -73,6 +73,9 @@ pub fn follow_joints(
     Ok(pose)
 }
 
+/// Step (m and rad) or residual (m) below which more than six equations are settled.
+const SETTLED: f64 = 1e-9;
+
 /// Six closure equations.
 struct SixRows<'a, F> {
     rows: &'a mut F,
@@ -137,14 +140,20 @@ fn best_pose(
     rows: &mut impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
 ) -> Result<NewtonSolution<Pose>, NewtonError> {
     let mut problem = ManyRows { rows, joints, seed: *seed, equations };
-    let options = LeastSquaresOptions { residual_floor: 1e-15, max_iterations: 100, ..Default::default() };
+    let options = LeastSquaresOptions { residual_floor: 1e-14, max_iterations: 200, ..Default::default() };
+    let found = |solution: &LeastSquaresSolution| NewtonSolution {
+        point: seed.moved(&solution.x.fixed_rows::<6>(0).into_owned()),
+        iterations: solution.history.len() as u64,
+        // With more than six rows there is no sign that tells the sides of a singularity apart.
+        determinant: 0.0,
+    };
     match least_squares(&mut problem, DVector::zeros(6), LeastSquaresMethod::LevenbergMarquardt, &options) {
-        Ok(found) => Ok(NewtonSolution {
-            point: seed.moved(&found.x.fixed_rows::<6>(0).into_owned()),
-            iterations: found.history.len() as u64,
-            // With more than six rows there is no sign that tells the sides of a singularity apart.
-            determinant: 0.0,
-        }),
+        Ok(solution) => Ok(found(&solution)),
+        // Near the seed a step is never small against the way, and where the equations contradict each other the
+        // iteration only creeps in the end; both are roots by the size of the step or of the residual.
+        Err(SolveError::NoConvergence { cost, step, last, .. }) if step <= SETTLED || cost <= SETTLED * SETTLED => {
+            Ok(found(&last))
+        }
         Err(SolveError::NoConvergence { iterations, cost, step, .. }) => Err(NewtonError::NoConvergence {
             iterations: iterations as u64,
             residual: (2.0 * cost).sqrt(),

@@ -23,7 +23,8 @@ use crate::units::Dimension;
 /// One simulated sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedSample {
-    /// Joints as they are recorded: commanded, with reading noise if there is any.
+    /// Joints as they are recorded: commanded, or read where more joints than the pose needs settle among each other;
+    /// with reading noise if there is any.
     pub joints: Vec<f64>,
     /// Where the true mechanism went.
     pub truth: Pose,
@@ -71,6 +72,11 @@ pub fn simulate<R: Rng + ?Sized>(
     for (k, pose) in poses.iter().enumerate() {
         let mut joints = nominal.inverse(nominal.values(), pose, &at).map_err(|e| (k, e))?;
         let went = truth.forward(truth.values(), &joints, &at, pose).map_err(|e| (k, e))?;
+        if truth.equations() > 6 {
+            // More joints than the pose needs cannot all follow their commands: readings are those of the pose that was
+            // reached.
+            joints = truth.inverse(truth.values(), &went, &at).map_err(|e| (k, e))?;
+        }
         let mut measured = convention.coordinates(&went);
         for (c, value) in measured.iter_mut().enumerate() {
             *value += normal(rng, if c < 3 { noise.position } else { noise.rotation });
