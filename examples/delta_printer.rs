@@ -6,6 +6,7 @@
 //! `PARACAL_DATA=… cargo run --release --example delta_printer`.
 
 use std::error::Error;
+use std::path::Path;
 use std::sync::Arc;
 
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, calibrate, evaluate};
@@ -46,11 +47,18 @@ impl Closure for Printer {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Some(folder) = std::env::var_os("PARACAL_DATA") else {
-        println!("skipped: PARACAL_DATA does not name the folder of the measured data");
-        return Ok(());
-    };
-    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("delta-printer-41/measured.csv"))?;
+    match std::env::var_os("PARACAL_DATA") {
+        Some(folder) => run(Path::new(&folder)).map(drop),
+        None => {
+            println!("skipped: PARACAL_DATA does not name the folder of the measured data");
+            Ok(())
+        }
+    }
+}
+
+/// Prints the table; RMS height of the touches with the identified parameters, m.
+pub fn run(folder: &Path) -> Result<f64, Box<dyn Error>> {
+    let text = std::fs::read_to_string(folder.join("delta-printer-41/measured.csv"))?;
     let numbers = |line: &str| line.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
     let rows: Vec<Vec<f64>> =
         text.lines().filter(|l| !l.starts_with('#')).skip(1).map(numbers).collect::<Result<_, _>>()?;
@@ -112,5 +120,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         let rms = 1e6 * (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         println!("  {:3.0} to {:3.0} mm: {:2} touches, {rms:5.1} um", 1e3 * from, 1e3 * to, squares.len());
     }
-    Ok(())
+    Ok(result.after.position.unwrap_or(f64::NAN))
 }

@@ -5,6 +5,14 @@
 
 mod common;
 
+// The two examples with measured data; their `main` is not called here.
+#[allow(dead_code, unreachable_pub)]
+#[path = "../examples/cable_robot.rs"]
+mod cable_robot;
+#[allow(dead_code, unreachable_pub)]
+#[path = "../examples/delta_printer.rs"]
+mod delta_printer;
+
 use std::path::PathBuf;
 
 use paracal::files::{Machine, read_measurement};
@@ -38,4 +46,20 @@ fn the_hardpoint_reference_is_met_and_the_bundled_copies_are_the_same() {
         let theirs = std::fs::read_to_string(folder.join(theirs)).unwrap();
         assert_eq!(theirs, common::text(&format!("examples/data/{ours}")));
     }
+}
+
+#[test]
+fn the_anchors_of_a_measured_cable_robot_leave_two_millimetres() {
+    let Some(folder) = folder("kamal-cdpr") else { return };
+    let rms = cable_robot::run(folder.parent().unwrap()).unwrap();
+    for (found, expected) in rms.iter().zip([2.1, 2.7, 2.3]) {
+        assert!((found - expected).abs() <= 0.1, "{rms:.2?} mm");
+    }
+}
+
+#[test]
+fn six_parameters_of_a_measured_delta_printer_leave_39_um() {
+    let Some(folder) = folder("delta-printer-41") else { return };
+    let rms = delta_printer::run(folder.parent().unwrap()).unwrap();
+    assert!((rms - 39e-6).abs() <= 1e-6, "{:.1} um", 1e6 * rms);
 }
