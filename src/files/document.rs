@@ -86,6 +86,11 @@ pub struct LegEntry {
     pub length_offset: f64,
     /// Allowed lengths.
     pub stroke: Option<[f64; 2]>,
+    /// Name of the leg's joint in a URDF; a data column of this name holds its coordinate, 0 at `length`.
+    pub joint: Option<String>,
+    /// True if the leg gets shorter as the coordinate of `joint` grows.
+    #[serde(default)]
+    pub joint_reversed: bool,
     /// In a calibrated file: the platform point by which the controller turns commanded poses into lengths.
     pub nominal_platform: Option<[f64; 3]>,
     /// In a calibrated file: the base point of the same.
@@ -200,6 +205,10 @@ impl MechanismDocument {
             }
             if let Some(stroke) = leg.stroke {
                 text += &format!("stroke = {}\n", list(&stroke));
+            }
+            text += &leg.joint.as_ref().map_or(String::new(), |j| format!("joint = {}\n", quoted(j)));
+            if leg.joint_reversed {
+                text += "joint_reversed = true\n";
             }
             text += &leg.nominal_platform.map_or(String::new(), |v| format!("nominal_platform = {}\n", list(&v)));
             text += &leg.nominal_base.map_or(String::new(), |v| format!("nominal_base = {}\n", list(&v)));

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::document::{LegEntry, MechanismDocument};
 use super::error::FileError;
+use super::joint_columns::check_joints;
 use super::machine::{Machine, SIX_HARDPOINT};
 use super::writer::number;
 use crate::measurement::{Noise, TargetPoint};
@@ -21,7 +22,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
+    pub(super) fn value(&self, place: impl Into<String>, problem: impl Into<String>) -> FileError {
         FileError::Value { path: self.path.into(), place: place.into(), problem: problem.into() }
     }
 
@@ -171,7 +172,8 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
     kept_sections(r, &document)?;
-    let warnings = warnings(&mechanism, &legs);
+    let mut warnings = warnings(&mechanism, &legs);
+    warnings.extend(check_joints(r, &document)?);
     Ok(Machine {
         path: path.into(),
         mechanism: Box::new(mechanism),
@@ -183,6 +185,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,
+        inputs: vec![path.into()],
         document,
     })
 }

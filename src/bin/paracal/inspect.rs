@@ -29,7 +29,7 @@ const SURVEYED: usize = 1000;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     // The warnings of the file are part of the result here.
-    let machine = Machine::read(&args.mechanism)?;
+    let machine = Machine::read_with(&args.mechanism, &ui.urdf)?;
     let mechanism = machine.mechanism.as_ref();
     let c = mechanism.values();
     let at = Conditions::unknown();
@@ -72,7 +72,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         prospect: outlook,
         warnings,
     };
-    ui.result(&text::inspection(&seen), &json::inspection(&seen));
+    let mut shown = json::inspection(&seen);
+    shown["joints"] = machine.joint_names().into();
+    ui.result(&text::inspection(&seen), &shown);
     Ok(ExitCode::SUCCESS)
 }
 

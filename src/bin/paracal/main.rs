@@ -7,6 +7,7 @@ mod evaluate;
 mod inspect;
 mod select;
 mod simulate;
+mod urdf_args;
 
 use std::process::ExitCode;
 
@@ -33,6 +34,8 @@ struct Cli {
     /// Threads to use; results do not depend on it.
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: Option<u16>,
+    #[command(flatten)]
+    urdf: urdf_args::UrdfArgs,
 }
 
 #[derive(Subcommand)]
@@ -53,7 +56,11 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let ui = Ui { json: cli.json, quiet: cli.quiet };
+    let urdf = match cli.urdf.options() {
+        Ok(options) => options,
+        Err(error) => return report_error(&error),
+    };
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();

@@ -1,0 +1,319 @@
+//! The anchors and the length of one leg, from its joints alone.
+//!
+//! The leg is laid out from its slide: the frame of the slide at `q = 0` is the origin, and every joint is at its
+//! zero. The axes of the passive joints of one end meet in the anchor, and a point on an axis stays where it is when
+//! the joint turns, so neither the home pose nor the passive angles of the file matter. The slide moves one anchor
+//! away from the other along their line, hence `length = L0 + q` or `L0 - q`.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use super::closures::{Frame, Motion};
+use super::finding::{Finding, FindingKind as K};
+use super::graph::Part;
+use super::model::{Bodies, Model};
+
+/// A leg in numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Measured {
+    pub(super) joint: String,
+    pub(super) line: Option<usize>,
+    /// The coordinate of the joint.
+    pub(super) edge: usize,
+    /// True if the leg gets shorter as the coordinate grows.
+    pub(super) reversed: bool,
+    /// Anchors in the bodies of base and platform.
+    pub(super) anchors: [Vector3<f64>; 2],
+    /// The links of the leg that carry the anchors, and the anchors in them.
+    pub(super) ends: [(usize, Vector3<f64>); 2],
+    pub(super) length: f64,
+}
+
+/// What is allowed to be off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Allowed {
+    /// m; 1e-4 of the leg if absent.
+    pub(super) distance: Option<f64>,
+}
+
+impl Allowed {
+    pub(super) fn distance(self, length: f64) -> f64 {
+        self.distance.unwrap_or(1e-4 * length)
+    }
+
+    fn angle(self, length: f64) -> f64 {
+        (self.distance(length) / length).max(1e-3)
+    }
+}
+
+/// One end of a leg: the constraints that its joints put on the anchor, in the frame of the leg.
+#[derive(Default)]
+struct End {
+    /// A point, or a point and a direction.
+    lines: Vec<(Vector3<f64>, Vector3<f64>)>,
+    points: Vec<Vector3<f64>>,
+    undecided: Vec<Vector3<f64>>,
+    turns: usize,
+    /// From the frame of the leg into the body of base or platform.
+    carry: Frame,
+    /// The last link of the leg, and its pose in the frame of the leg.
+    last: (usize, Frame),
+}
+
+/// Measures a leg between two bodies.
+pub(super) fn measure(
+    model: &Model,
+    bodies: &Bodies,
+    leg: &Part,
+    [base, platform]: [usize; 2],
+    allowed: Allowed,
+) -> Result<Measured, Finding> {
+    let slide = leg.slides.first().copied().unwrap_or_default();
+    let edge = &model.edges[slide];
+    let finding = |kind, text: String| Finding { kind, element: edge.name.clone(), line: edge.line, text };
+    let Motion::Slide(axis) = edge.motion else {
+        return Err(finding(K::LegWithoutSlide, format!("joint '{}' is no slide", edge.name)));
+    };
+    let walk = |side: usize, target: usize, other: usize| end(model, bodies, leg, slide, side, target, other);
+    // Either end of the slide may be the one towards the base.
+    let attempt = |parent: usize| -> Result<[End; 2], Finding> {
+        Ok([walk(parent, base, platform)?, walk(1 - parent, platform, base)?])
+    };
+    let (parent_to_base, mut ends) = match (attempt(0), attempt(1)) {
+        (Ok(ends), _) => (true, ends),
+        (_, Ok(ends)) => (false, ends),
+        // Seen from the wrong end every leg seems to branch.
+        (Err(first), Err(second)) => return Err(if first.kind == K::LegBranches { second } else { first }),
+    };
+    decide(&mut ends).map_err(|text| finding(K::LegMobility, format!("the leg of joint '{}' {text}", edge.name)))?;
+    let mut anchors = [Vector3::zeros(); 2];
+    let rough = (ends[0].carry.translation.vector - ends[1].carry.translation.vector).norm();
+    for (k, (anchor, end)) in anchors.iter_mut().zip(&ends).enumerate() {
+        let what = ["base", "platform"][k];
+        *anchor = common_point(end, what, &edge.name).map_err(|(kind, text)| finding(kind, text))?;
+    }
+    let between = anchors[1] - anchors[0];
+    let length = between.norm();
+    if !(length > 1e-9 * (1.0 + rough)) || !length.is_finite() {
+        let text =
+            format!("joint '{}': the anchors of its leg are one point at zero; move the slide's zero", edge.name);
+        return Err(finding(K::EmptyRange, text));
+    }
+    for (k, (anchor, end)) in anchors.iter().zip(&ends).enumerate() {
+        let miss = largest_miss(end, anchor);
+        if !(miss <= allowed.distance(length)) {
+            let text = format!(
+                "the axes at the {} end of the leg of joint '{}' miss their common point by {:.3} mm, so it is no point \
+                 anchor; correct the origins, or widen the tolerance",
+                ["base", "platform"][k],
+                edge.name,
+                1e3 * miss
+            );
+            return Err(finding(K::JointAxesDoNotMeet, text));
+        }
+    }
+    let direction = between / length;
+    let along = axis.dot(&direction);
+    let off = axis.cross(&direction).norm().atan2(along.abs());
+    if !(off <= allowed.angle(length)) {
+        let text = format!(
+            "joint '{}': its axis is {:.1} deg off the line of the anchors, so the length is not the joint coordinate plus \
+             a constant; correct the axis or the origins",
+            edge.name,
+            off.to_degrees()
+        );
+        return Err(finding(K::SlideOffLeg, text));
+    }
+    let into = |k: usize| ends[k].carry * nalgebra::Point3::from(anchors[k]);
+    let local = |k: usize| {
+        let (link, pose) = &ends[k].last;
+        (*link, (pose.inverse() * nalgebra::Point3::from(anchors[k])).coords)
+    };
+    Ok(Measured {
+        joint: edge.name.clone(),
+        line: edge.line,
+        edge: slide,
+        reversed: (along > 0.0) != parent_to_base,
+        anchors: [into(0).coords, into(1).coords],
+        ends: [local(0), local(1)],
+        length,
+    })
+}
+
+fn branches(model: &Model, leg: &Part) -> Finding {
+    let edge = leg.slides.first().map(|k| &model.edges[*k]);
+    let name = edge.map_or(String::new(), |e| e.name.clone());
+    let text = format!(
+        "the leg of joint '{name}' branches or has a loop of its own between base and platform; a leg is one chain of joints"
+    );
+    Finding { kind: K::LegBranches, element: name, line: edge.and_then(|e| e.line), text }
+}
+
+/// Follows the leg from one side of its slide to a body.
+fn end(
+    model: &Model,
+    bodies: &Bodies,
+    leg: &Part,
+    slide: usize,
+    side: usize,
+    target: usize,
+    other: usize,
+) -> Result<End, Finding> {
+    let edge = &model.edges[slide];
+    let start = edge.sides[side];
+    let start_body = bodies.of[start.link];
+    let inward = bodies.frame(&start).inverse();
+    let finding = |kind, text| Finding { kind, element: edge.name.clone(), line: edge.line, text };
+    if start_body == target {
+        let text = format!(
+            "joint '{}' slides on the base or on the platform itself, as in a hexaglide (6-PUS); a leg of this kind has \
+             its joints at both ends, so implement `Mechanism` for it",
+            edge.name
+        );
+        return Err(finding(K::SlideOnBase, text));
+    }
+    if start_body == other {
+        return Err(branches(model, leg));
+    }
+    // Breadth first; each body remembers the edge by which it was reached.
+    let mut reached: Vec<(usize, Frame, Option<(usize, usize)>)> = vec![(start_body, inward, None)];
+    let mut into_target = Vec::new();
+    let mut inner = 0;
+    let mut at = 0;
+    while at < reached.len() {
+        let (body, pose, _) = reached[at];
+        for k in leg.edges.iter().filter(|k| **k != slide) {
+            let e = &model.edges[*k];
+            let [a, b] = e.sides.map(|s| bodies.of[s.link]);
+            let (near, far) = match (a == body, b == body) {
+                (true, true) => return Err(branches(model, leg)),
+                (true, false) => (0, 1),
+                (false, true) => (1, 0),
+                (false, false) => continue,
+            };
+            let next = bodies.of[e.sides[far].link];
+            let there = pose * bodies.frame(&e.sides[near]) * bodies.frame(&e.sides[far]).inverse();
+            if next == target {
+                into_target.push((*k, at, there));
+            } else if next == other {
+                return Err(branches(model, leg));
+            } else {
+                inner += 1;
+                if !reached.iter().any(|r| r.0 == next) {
+                    reached.push((next, there, Some((*k, at))));
+                }
+            }
+        }
+        at += 1;
+    }
+    // Every inner edge was seen from both of its bodies; a tree has one less than it has bodies.
+    let ([(last, from, there)], true) = (&into_target[..], inner == 2 * (reached.len() - 1)) else {
+        return Err(branches(model, leg));
+    };
+    let mut end = End { carry: there.inverse(), ..End::default() };
+    let from = *from;
+    let near = usize::from(bodies.of[model.edges[*last].sides[1].link] == reached[from].0);
+    let link = model.edges[*last].sides[near].link;
+    end.last = (link, reached[from].1 * bodies.frames[link]);
+    let mut step = Some((*last, from));
+    while let Some((k, body)) = step {
+        let e = &model.edges[k];
+        let (body, pose, previous) = reached[body];
+        let near = usize::from(bodies.of[e.sides[1].link] == body);
+        let here = pose * bodies.frame(&e.sides[near]);
+        end.add(e.motion, &here).map_err(|text| Finding {
+            kind: K::UnsupportedJointType,
+            element: e.name.clone(),
+            line: e.line,
+            text: format!("'{}' {text}", e.name),
+        })?;
+        step = previous;
+    }
+    Ok(end)
+}
+
+impl End {
+    /// Takes note of a joint whose frame stands at `here`.
+    fn add(&mut self, motion: Motion, here: &Frame) -> Result<(), &'static str> {
+        let point = here.translation.vector;
+        match motion {
+            Motion::Hinge(axis) => {
+                self.lines.push((point, here.rotation * axis));
+                self.turns += 1;
+            }
+            Motion::Point(turns) => {
+                self.points.push(point);
+                self.turns += turns;
+            }
+            Motion::Undecided => self.undecided.push(point),
+            Motion::Fixed => {}
+            Motion::Slide(_) | Motion::Planar | Motion::Floating => {
+                return Err("has no place in a leg beside the slide; use revolute or spherical joints");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Decides what closing frames leave free: as much as makes six or seven freedoms of the leg, its slide included.
+fn decide(ends: &mut [End; 2]) -> Result<(), String> {
+    let count = ends[0].undecided.len() + ends[1].undecided.len();
+    let turns = ends[0].turns + ends[1].turns;
+    let fits = |turns: usize| (5..=6).contains(&turns);
+    if count > 0 && fits(turns + 3 * count) {
+        for end in ends.iter_mut() {
+            end.turns += 3 * end.undecided.len();
+            end.points.append(&mut end.undecided);
+        }
+        return Ok(());
+    }
+    if fits(turns) || (count == 0 && turns == 7) {
+        return Ok(());
+    }
+    Err(match count {
+        0 => format!(
+            "has {turns} turning freedoms beside its slide and needs 5 or 6 to leave the platform free; add the joint that \
+             is missing, or correct the type of a closure"
+        ),
+        _ => format!(
+            "has {turns} turning freedoms and a closure of unknown kind, which fits neither a ball (2 or 3) nor a fixed \
+             flange (5 or 6); state the kind of the closure"
+        ),
+    })
+}
+
+/// The point nearest to the axes of an end, or the closing point if there is one.
+fn common_point(end: &End, what: &str, joint: &str) -> Result<Vector3<f64>, (K, String)> {
+    if !end.points.is_empty() {
+        return Ok(end.points.iter().sum::<Vector3<f64>>() / end.points.len() as f64);
+    }
+    if end.lines.is_empty() {
+        let text = format!(
+            "the leg of joint '{joint}' has no turning joint at its {what} end, as in a hexaglide (6-PUS); a leg of this \
+             kind has joints at both ends"
+        );
+        return Err((K::SlideOnBase, text));
+    }
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    // Relative to the first point, so that anchors far from the origin keep their digits.
+    let origin = end.lines[0].0;
+    for (point, direction) in &end.lines {
+        let across = Matrix3::identity() - direction * direction.transpose();
+        normal += across;
+        right += across * (point - origin);
+    }
+    let weakest = SymmetricEigen::new(normal).eigenvalues.min() / end.lines.len() as f64;
+    let solution = normal.lu().solve(&right).filter(|_| weakest > 1e-4);
+    solution.map(|p| origin + p).ok_or_else(|| {
+        let text = format!(
+            "the {what} end of the leg of joint '{joint}' turns about one direction only, so its anchor is not determined \
+             (an RPS leg?); a leg of this kind has two or three axes there"
+        );
+        (K::AnchorUndetermined, text)
+    })
+}
+
+/// How far the joints of an end are from a point.
+fn largest_miss(end: &End, anchor: &Vector3<f64>) -> f64 {
+    let lines = end.lines.iter().map(|(p, d)| (anchor - p).cross(d).norm());
+    lines.chain(end.points.iter().map(|p| (anchor - p).norm())).fold(0.0, f64::max)
+}
