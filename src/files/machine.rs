@@ -12,7 +12,7 @@ use super::urdf::{self, UrdfOptions};
 use crate::measurement::{Frames, Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
-use crate::units::{Dimension, Unit};
+use crate::units::Unit;
 
 /// The only kind of mechanism that files can state so far.
 pub(super) const SIX_HARDPOINT: &str = "six-hardpoint";
@@ -63,7 +63,7 @@ impl Machine {
         let path = path.as_ref();
         let text = read_text(path)?;
         let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
-        if urdf::is_xml(&text) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf")) {
+        if urdf::is_xml(&text) || urdf::is_urdf(path) {
             return urdf::read(path, &text, options);
         }
         if let Some(robot) = urdf::names_a_urdf(&text) {
@@ -97,15 +97,15 @@ impl Machine {
         }
         let document: MechanismDocument = toml::from_str(text)
             .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
-        let unit = |dimension, name: &str, place| {
-            Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: path.into(), place, cause })
-        };
-        let reader = Reader {
-            path,
-            length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
-            angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
-        };
-        build(&reader, document)
+        Self::from_document(document, path)
+    }
+
+    /// The machine of a document; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_document(document: MechanismDocument, path: &Path) -> Result<Self, FileError> {
+        build(&Reader::of(path, &document)?, document)
     }
 
     /// Every file that it was read from.

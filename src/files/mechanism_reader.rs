@@ -12,13 +12,27 @@ use super::writer::number;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
 use crate::pose::PoseConvention;
-use crate::units::Unit;
+use crate::units::{Dimension, Unit};
 
 /// Reads numbers of one file into SI and names what is wrong with them.
 pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
     pub(super) length: Unit,
     pub(super) angle: Unit,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader in the units of a document.
+    pub(super) fn of(path: &'a Path, document: &MechanismDocument) -> Result<Self, FileError> {
+        let unit = |dimension, name: &str, place| {
+            Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: path.into(), place, cause })
+        };
+        Ok(Self {
+            path,
+            length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
+            angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
+        })
+    }
 }
 
 impl Reader<'_> {

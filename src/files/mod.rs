@@ -30,5 +30,5 @@ pub use machine::Machine;
 pub use measurement_file::{Measurement, read_measurement};
 pub use outputs::Outputs;
 pub use pose_file::{ListedPose, read_parameter_errors, read_poses};
-pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions};
+pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
 pub use writer::{CsvTable, number};

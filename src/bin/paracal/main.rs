@@ -3,6 +3,7 @@
 mod calibrate;
 mod common;
 mod compensate;
+mod convert;
 mod evaluate;
 mod inspect;
 mod select;
@@ -52,6 +53,8 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Leg lengths to command for poses.
     Compensate(compensate::Args),
+    /// The same mechanism as URDF or as TOML.
+    Convert(convert::Args),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(args, &ui),
         Command::Evaluate(args) => evaluate::run(args, &ui),
         Command::Compensate(args) => compensate::run(args, &ui),
+        Command::Convert(args) => convert::run(args, &ui),
     };
     match done {
         Ok(code) => code,

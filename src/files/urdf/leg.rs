@@ -148,6 +148,9 @@ fn branches(model: &Model, leg: &Part) -> Finding {
     Finding { kind: K::LegBranches, element: name, line: edge.and_then(|e| e.line), text }
 }
 
+/// A body, its pose in the frame of the leg, and the edge and the place in the list by which it was reached.
+type Reached = (usize, Frame, Option<(usize, usize)>);
+
 /// Follows the leg from one side of its slide to a body.
 fn end(
     model: &Model,
@@ -175,7 +178,7 @@ fn end(
         return Err(branches(model, leg));
     }
     // Breadth first; each body remembers the edge by which it was reached.
-    let mut reached: Vec<(usize, Frame, Option<(usize, usize)>)> = vec![(start_body, inward, None)];
+    let mut reached: Vec<Reached> = vec![(start_body, inward, None)];
     let mut into_target = Vec::new();
     let mut inner = 0;
     let mut at = 0;

@@ -25,6 +25,7 @@ mod graph;
 mod leg;
 mod model;
 mod options;
+mod output;
 mod pairs;
 mod side;
 mod writer;
@@ -32,24 +33,25 @@ mod xml;
 
 pub use finding::{Finding, FindingKind};
 pub use options::{HomeJoint, UrdfOptions};
+pub use output::WrittenMechanism;
 pub use writer::UrdfFiles;
 
+pub(super) use output::is_urdf;
 pub(super) use side::names_a_urdf;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::Vector3;
 
 use self::description::Description;
 use self::extract::{Found, FoundLeg, extract};
 use self::finding::Findings;
-use self::side::{Beside, SideDocument, add_home};
+use self::side::{Beside, PerLeg, SideDocument, add_home};
 use super::document::{HomeSection, LegEntry, MechanismDocument};
 use super::error::{FileError, read_text};
 use super::machine::Machine;
 use super::mechanism_reader::{Reader, build};
 use crate::pose::{Pose, PoseConvention};
-use crate::units::{Dimension, Unit};
 
 /// True if a text is XML.
 pub(super) fn is_xml(text: &str) -> bool {
@@ -91,7 +93,7 @@ fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Re
     findings.stop_on_errors().map_err(refused)?;
 
     let mut document = document.unwrap_or_default().into_document(&description.name);
-    let reader = reader(&place, &document)?;
+    let reader = Reader::of(&place, &document)?;
     add_home(&mut settings, home_joints, |joint, v| {
         let slide = description.joints.iter().any(|j| j.name == joint && j.kind == "prismatic");
         if slide { reader.length.to_si(v) } else { reader.angle.to_si(v) }
@@ -120,23 +122,11 @@ fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Re
     Ok(machine)
 }
 
-/// The reader of a document's numbers.
-fn reader<'a>(path: &'a Path, document: &MechanismDocument) -> Result<Reader<'a>, FileError> {
-    let unit = |dimension, name: &str, place| {
-        Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: PathBuf::from(path), place, cause })
-    };
-    Ok(Reader {
-        path,
-        length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
-        angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
-    })
-}
-
 /// Writes legs and home into a document, in its units.
 fn fill(
     document: &mut MechanismDocument,
     found: &Found,
-    (offsets, strokes): (Option<[f64; 6]>, Option<[Option<[f64; 2]>; 6]>),
+    per_leg: PerLeg,
     reader: &Reader<'_>,
     convention: &PoseConvention,
 ) {
@@ -144,14 +134,14 @@ fn fill(
     let point = |p: &Vector3<f64>| [length(p.x), length(p.y), length(p.z)];
     let leg = |(k, l): (usize, &FoundLeg)| {
         // URDF knows the true length; the commanded one is shorter by the offset.
-        let offset = offsets.map_or(0.0, |o| o[k]);
+        let offset = per_leg.offsets.map_or(0.0, |o| o[k]);
         let range = l.range.map(|r| r.map(|v| length(v) - offset));
         LegEntry {
             platform: point(&l.platform),
             base: point(&l.base),
             length: length(l.length) - offset,
             length_offset: offset,
-            stroke: strokes.map_or(range, |s| s[k]),
+            stroke: per_leg.strokes.map_or(range, |s| s[k]),
             joint: Some(l.joint.clone()),
             joint_reversed: l.reversed,
             nominal_platform: None,

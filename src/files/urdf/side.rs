@@ -22,8 +22,9 @@ use crate::pose::RotationOrder;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SideDocument {
-    /// The URDF, by its path from this file.
-    pub(super) urdf: Option<String>,
+    /// The URDF, by its path from this file; whoever reads this file has looked at it already.
+    #[serde(rename = "urdf")]
+    _urdf: Option<String>,
     /// Pairs of links or joints whose frames coincide, each with a kind (`ball`, `fixed`) if it is known.
     #[serde(default)]
     close: Vec<Vec<String>>,
@@ -77,6 +78,15 @@ struct YamlDocument {
     joint_type: Vec<String>,
 }
 
+/// What a side file states of each leg, in its own unit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PerLeg {
+    /// True less commanded length.
+    pub(super) offsets: Option<[f64; 6]>,
+    /// Commanded lengths; `None` for a leg without limits.
+    pub(super) strokes: Option<[Option<[f64; 2]>; 6]>,
+}
+
 /// What stands beside a URDF.
 #[derive(Debug, Default)]
 pub(super) struct Beside {
@@ -90,6 +100,12 @@ pub(super) struct Beside {
 
 fn toml_error(path: &Path, message: &str) -> FileError {
     FileError::Toml { path: path.into(), message: message.trim_end().to_owned() }
+}
+
+/// True if a YAML text states closures or motors; other files of that name are configurations of other programs.
+pub(super) fn is_closure_yaml(text: &str) -> bool {
+    let keys = ["closed_loop", "name_mot", "joint_name"];
+    text.lines().any(|line| keys.iter().any(|k| line.strip_prefix(k).is_some_and(|r| r.trim_start().starts_with(':'))))
 }
 
 /// A TOML file with the key `urdf`, or `None` if it has no such key.
@@ -124,6 +140,9 @@ impl Beside {
             let path = urdf.with_extension(extension);
             if path.is_file() && path != urdf {
                 let text = read_text(&path)?;
+                if !is_closure_yaml(&text) {
+                    continue;
+                }
                 beside.yaml = serde_saphyr::from_str(&text)
                     .map_err(|e| toml_error(&path, &format!("cannot be read as YAML with closures: {e}")))?;
                 beside.check_yaml(&path)?;
@@ -261,9 +280,8 @@ pub(super) fn add_home(settings: &mut Settings, stated: Vec<(String, f64)>, valu
 }
 
 impl SideDocument {
-    /// Per-leg numbers of the side file: offsets and strokes, in its own unit.
-    #[allow(clippy::type_complexity)]
-    pub(super) fn per_leg(&self, path: &Path) -> Result<(Option<[f64; 6]>, Option<[Option<[f64; 2]>; 6]>), FileError> {
+    /// Per-leg numbers of the side file, in its own unit.
+    pub(super) fn per_leg(&self, path: &Path) -> Result<PerLeg, FileError> {
         let wrong = |place: &str, problem: &str| FileError::Value {
             path: path.into(),
             place: place.into(),
@@ -283,7 +301,7 @@ impl SideDocument {
             let list = list.iter().map(one).collect::<Result<Vec<_>, _>>()?;
             <[Option<[f64; 2]>; 6]>::try_from(list).map_err(|_| wrong("strokes", six))
         });
-        Ok((offsets.transpose()?, strokes.transpose()?))
+        Ok(PerLeg { offsets: offsets.transpose()?, strokes: strokes.transpose()? })
     }
 
     /// The document without its legs.
