@@ -104,6 +104,10 @@ pub(super) fn column(
             return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
         }
         if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
+            if unit.is_none() {
+                let choices = Dimension::Length.choices();
+                return Err(format!("the name must end in a unit ({choices}), such as '{}_mm'", joint.name));
+            }
             let column = with(Meaning::Joint(joint.leg), Dimension::Length)?;
             return Ok(Column { joint: Some(joint.clone()), ..column });
         }
