@@ -155,7 +155,8 @@ fn harmless() -> impl Strategy<Value = fn(String, Index) -> String> {
         |text, at| {
             // Links may stand in any order, unless their order names what nothing else does.
             let mut lines: Vec<&str> = text.lines().collect();
-            let (first, count) = (2, lines.iter().filter(|l| l.starts_with("  <link")).count());
+            let first = lines.iter().position(|l| l.starts_with("  <link")).unwrap();
+            let count = lines[first..].iter().take_while(|l| l.starts_with("  <link") && l.ends_with("/>")).count();
             lines[first..first + count].rotate_left(at.index(count));
             lines.join("\n")
         },

@@ -147,7 +147,7 @@ fn leg_number(name: &str) -> Option<usize> {
 }
 
 /// Target and axis of `p1x`, or of the name of a target of the mechanism file with an axis.
-fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
+pub(super) fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
     let axis = ["x", "y", "z"].iter().position(|a| name.ends_with(a))?;
     let stem = &name[..name.len() - 1];
     let numbered = stem.strip_prefix('p').is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));

@@ -3,7 +3,7 @@
 //! Where a leg keeps the name of its joint, `leg1_slide_mm` is the coordinate `q` of that joint, and the commanded
 //! length is `length + q`, or `length - q` if the coordinate counts the other way. `leg1_mm` stays the length itself.
 
-use super::column::POSE_NAMES;
+use super::column::{POSE_NAMES, target};
 use super::document::MechanismDocument;
 use super::error::FileError;
 use super::machine::Machine;
@@ -62,9 +62,7 @@ pub(super) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         if let Some(other) = document.legs[..k].iter().position(|l| l.joint.as_ref() == Some(name)) {
             return Err(r.value(place, format!("'{name}' is the joint of leg {} already; name another", other + 1)));
         }
-        let is_leg = name.strip_prefix("leg").is_some_and(|n| n.parse::<usize>().is_ok());
-        if is_leg || POSE_NAMES.contains(&name.as_str()) {
-            let meaning = if is_leg { "the length of a leg" } else { "the measured pose" };
+        if let Some(meaning) = taken(name, document) {
             warnings.push(format!(
                 "joint '{name}' has the name of other columns: in data, '{name}_{}' is {meaning} and not the coordinate \
                  of this joint",
@@ -73,4 +71,17 @@ pub(super) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         }
     }
     Ok(warnings)
+}
+
+/// What a column of this name means already.
+fn taken(name: &str, document: &MechanismDocument) -> Option<&'static str> {
+    if name.strip_prefix("leg").is_some_and(|n| n.parse::<usize>().is_ok()) {
+        return Some("the length of a leg");
+    }
+    let targets: Vec<String> = document.targets.iter().map(|t| t.name.clone()).collect();
+    if target(name, &targets).is_some() {
+        return Some("a measured target");
+    }
+    let prefix = ["sigma_", "cmd_", "temp_"].iter().any(|p| name.starts_with(p));
+    (prefix || POSE_NAMES.contains(&name)).then_some("a quantity of its own")
 }

@@ -74,7 +74,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     let mut shown = json::inspection(&seen);
     shown["joints"] = machine.joint_names().into();
-    ui.result(&text::inspection(&seen), &shown);
+    let mut report = text::inspection(&seen);
+    if machine.joint_names().iter().zip(mechanism.joints()).any(|(own, j)| *own != j.name) {
+        let report_joints = machine.joint_names().join(", ");
+        report += &format!("\n\nJoints of the legs in URDF and in data columns: {report_joints}");
+    }
+    ui.result(&report, &shown);
     Ok(ExitCode::SUCCESS)
 }
 

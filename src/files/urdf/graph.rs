@@ -96,6 +96,12 @@ impl<'a> Graph<'a> {
         link.map_or("", |k| self.model.links[k].as_str())
     }
 
+    /// The line of that link.
+    fn line(&self, body: usize) -> Option<usize> {
+        let link = self.bodies.of.iter().position(|b| *b == body)?;
+        self.model.lines.get(link).copied()
+    }
+
     /// What is left when base and platform are taken away.
     fn parts(&self, base: usize, platform: usize) -> Vec<Part> {
         let mut part_of = vec![usize::MAX; self.bodies.count];
@@ -159,7 +165,7 @@ impl<'a> Graph<'a> {
             let name = self.name(platform);
             let text =
                 format!("no leg joins the base with the body of '{name}'; close its loops, or name another platform");
-            findings.add(K::DisconnectedPlatform, name, None, text);
+            findings.add(K::DisconnectedPlatform, name, self.line(platform), text);
             return None;
         }
         if legs.iter().all(|l| l.slides.is_empty() && l.passive_slides.is_empty()) {
@@ -193,7 +199,7 @@ impl<'a> Graph<'a> {
                 legs.len(),
                 self.name(platform)
             );
-            findings.add(kind, self.name(platform), None, text);
+            findings.add(kind, self.name(platform), self.line(platform), text);
             wrong = true;
         }
         legs.sort_by_key(|l| l.slides.first().copied());

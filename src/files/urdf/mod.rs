@@ -7,21 +7,23 @@
 //!    `urdf-rs` reads the reduced rest: its joints and links are those of [`model`].
 //! 2. [`closures`] collects the tags that close loops, [`pairs`] the closing frames and the pairs of [`side`] files
 //!    and of the call; [`agree`] sorts out what is stated twice.
-//! 3. [`graph`] finds base, platform and legs by their connections, [`leg`] the anchors `a`, `b` and the length
+//! 3. [`graph`] finds base, platform and legs by their connections, [`leg`] and [`anchor`] the anchors `a`, `b` and the length
 //!    `L0` at joint coordinate zero: with `c` the common point of the axes at the platform's end,
 //!    `L0 = |c - b|` and `length = L0 ± q`. No step depends on names or on an assembled zero pose.
-//! 4. [`extract`] puts it together, with the home pose: that of the tree if it closes every loop, else the nearest
+//! 4. [`extract`] puts it together, with the pose at [`home`]: that of the tree if it closes every loop, else the nearest
 //!    that fits the lengths.
 //!
 //! The result is the same document that a TOML file holds, so all else is common to both. Everything that is wrong
 //! is collected as [`Finding`]s. [`writer`] goes the other way.
 
 mod agree;
+mod anchor;
 mod closures;
 mod description;
 mod extract;
 mod finding;
 mod graph;
+mod home;
 mod leg;
 mod model;
 mod options;

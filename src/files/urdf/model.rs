@@ -33,6 +33,8 @@ pub(super) struct Edge {
 #[derive(Debug)]
 pub(super) struct Model {
     pub(super) links: Vec<String>,
+    /// Lines of the links.
+    pub(super) lines: Vec<usize>,
     pub(super) edges: Vec<Edge>,
     pub(super) joints: usize,
     /// Links that are nobody's child.
@@ -42,7 +44,7 @@ pub(super) struct Model {
 impl Model {
     /// The joints of a description, after `urdf-rs` has read it. `motions` are types that a side file gives to joints.
     pub(super) fn of(description: &Description, motions: &HashMap<String, Motion>, findings: &mut Findings) -> Self {
-        let mut model = Self { links: Vec::new(), edges: Vec::new(), joints: 0, roots: Vec::new() };
+        let mut model = Self { links: Vec::new(), lines: Vec::new(), edges: Vec::new(), joints: 0, roots: Vec::new() };
         let robot = match urdf_rs::read_from_string(&description.reduced()) {
             Ok(robot) => robot,
             Err(cause) => {
@@ -51,6 +53,7 @@ impl Model {
                 return model;
             }
         };
+        model.lines = description.links.iter().map(|l| l.line).collect();
         model.links = robot.links.iter().map(|l| l.name.clone()).collect();
         let index: HashMap<&str, usize> = model.links.iter().enumerate().map(|(k, n)| (n.as_str(), k)).collect();
         let mut edges = Vec::with_capacity(robot.joints.len());
