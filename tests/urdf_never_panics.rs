@@ -116,6 +116,9 @@ fn damage() -> impl Strategy<Value = Damage> {
 }
 
 fn damaged(text: &str, damage: &Damage) -> String {
+    if text.trim().is_empty() {
+        return text.to_owned();
+    }
     let mut lines: Vec<&str> = text.lines().collect();
     let n = lines.len();
     match damage {
@@ -134,11 +137,11 @@ fn damaged(text: &str, damage: &Damage) -> String {
         }
         Damage::Number(at, number) => {
             let starts: Vec<usize> = text.match_indices(['"', ' ']).map(|(k, _)| k + 1).collect();
-            let start = starts[at.index(starts.len())];
+            let start = if starts.is_empty() { 0 } else { starts[at.index(starts.len())] };
             let end = start + text[start..].find(['"', ' ', '>']).unwrap_or(0);
             return format!("{}{number}{}", &text[..start], &text[end..]);
         }
-        Damage::CutOff(at) => return text[..at.index(text.len())].to_owned(),
+        Damage::CutOff(at) => return text.chars().take(at.index(text.len())).collect(),
     }
     lines.join("\n")
 }
@@ -155,8 +158,9 @@ fn harmless() -> impl Strategy<Value = fn(String, Index) -> String> {
         |text, at| {
             // Links may stand in any order, unless their order names what nothing else does.
             let mut lines: Vec<&str> = text.lines().collect();
-            let first = lines.iter().position(|l| l.starts_with("  <link")).unwrap();
-            let count = lines[first..].iter().take_while(|l| l.starts_with("  <link") && l.ends_with("/>")).count();
+            let whole = |l: &str| l.starts_with("  <link") && l.ends_with("/>") && l.matches('<').count() == 1;
+            let first = lines.iter().position(|l| whole(l)).unwrap();
+            let count = lines[first..].iter().take_while(|l| whole(l)).count();
             lines[first..first + count].rotate_left(at.index(count));
             lines.join("\n")
         },
