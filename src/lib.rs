@@ -44,7 +44,7 @@
 //! | [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
 //! | [`selection`] | the trait [`selection::PoseSelector`], candidates, the certified bound |
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo |
-//! | [`files`] | mechanism files (TOML), measurements and pose lists (CSV) |
+//! | [`files`] | mechanism files (TOML, URDF), measurements and pose lists (CSV) |
 //! | [`report`] | results as text and JSON |
 //! | `conformance` | test suites for mechanisms, measurements, identifiers, indices and selectors (feature `conformance`) |
 //!

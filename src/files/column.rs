@@ -1,5 +1,6 @@
 //! What a column of a table means, from its name.
 
+use super::joint_columns::JointColumn;
 use crate::mechanism::{JointSpec, Mechanism};
 use crate::units::{Dimension, Unit};
 
@@ -36,6 +37,8 @@ pub(super) struct Column {
     pub(super) name: String,
     pub(super) meaning: Meaning,
     pub(super) unit: Option<Unit>,
+    /// Set if the column holds the coordinate of a URDF joint instead of a length.
+    pub(super) joint: Option<JointColumn>,
 }
 
 pub(super) const POSE_NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -54,6 +57,7 @@ pub(super) fn column(
     header: &[String],
     mechanism: &dyn Mechanism,
     targets: &[String],
+    joints: &[JointColumn],
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
         Some((base, suffix)) => match Unit::named(suffix) {
@@ -64,18 +68,20 @@ pub(super) fn column(
     };
     let pose = |text: &str| POSE_NAMES.iter().position(|n| *n == text);
     let with = |meaning: Meaning, dimension: Dimension| match unit {
-        Some(unit) if unit.dimension == dimension => Ok(Column { name: name.into(), meaning, unit: Some(unit) }),
+        Some(unit) if unit.dimension == dimension => {
+            Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
+        }
         Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
         None => Err(missing_unit(name, base, dimension)),
     };
     if name == "id" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None });
+        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None, joint: None });
     }
     if name == "time_utc" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None });
+        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None, joint: None });
     }
     if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
-        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None });
+        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None, joint: None });
     }
     // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
     // `leg1_mm`, though, `leg1_load` is one.
@@ -107,6 +113,14 @@ pub(super) fn column(
         if candidate.starts_with("temp_") {
             return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
         }
+        if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
+            if unit.is_none() {
+                let choices = Dimension::Length.choices();
+                return Err(format!("the name must end in a unit ({choices}), such as '{}_mm'", joint.name));
+            }
+            let column = with(Meaning::Joint(joint.leg), Dimension::Length)?;
+            return Ok(Column { joint: Some(joint.clone()), ..column });
+        }
     }
     if leg_number(base).is_some() {
         let legs = mechanism.joints().len();
@@ -115,12 +129,12 @@ pub(super) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, targets);
+        let known = column(&small, &[], mechanism, targets, joints);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are written in small letters; did you mean '{small}'?"));
         }
     }
-    Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit })
+    Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
 }
 
 fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
@@ -143,7 +157,7 @@ fn leg_number(name: &str) -> Option<usize> {
 }
 
 /// Target and axis of `p1x`, or of the name of a target of the mechanism file with an axis.
-fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
+pub(super) fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
     let axis = ["x", "y", "z"].iter().position(|a| name.ends_with(a))?;
     let stem = &name[..name.len() - 1];
     let numbered = stem.strip_prefix('p').is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));

@@ -7,7 +7,7 @@ use super::writer::number;
 use crate::pose::RotationOrder;
 
 /// A mechanism file, word by word. Numbers are in the units that the file names.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MechanismDocument {
     /// What people call the mechanism.
@@ -119,6 +119,11 @@ pub struct LegEntry {
     pub length_offset: f64,
     /// Allowed lengths.
     pub stroke: Option<[f64; 2]>,
+    /// Name of the leg's joint in a URDF; a data column of this name holds its coordinate, 0 at `length`.
+    pub joint: Option<String>,
+    /// True if the leg gets shorter as the coordinate of `joint` grows.
+    #[serde(default)]
+    pub joint_reversed: bool,
     /// In a calibrated file: the platform point by which the controller turns commanded poses into lengths.
     pub nominal_platform: Option<[f64; 3]>,
     /// In a calibrated file: the base point of the same.
@@ -236,7 +241,6 @@ pub struct TargetEntry {
 impl MechanismDocument {
     /// The file's text; the same sections in the same order as the format describes them.
     pub fn to_text(&self) -> String {
-        let quoted = |s: &str| toml::Value::String(s.into()).to_string();
         let mut text = format!("name = {}\ntype = {}\n", quoted(&self.name), quoted(&self.kind));
         text += &format!("length_unit = \"{}\"\nangle_unit = \"{}\"\n", self.length_unit, self.angle_unit);
         if self.rotation_order != RotationOrder::default() {
@@ -312,6 +316,10 @@ fn list(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
 }
 
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.into()).to_string()
+}
+
 /// The line of a key that may be left out.
 fn line(key: &str, value: Option<String>) -> String {
     value.map_or(String::new(), |v| format!("{key} = {v}\n"))
@@ -331,6 +339,8 @@ impl LegEntry {
         text += &line("carriage", self.carriage.map(|k| k.to_string()));
         text += &line("rail", self.rail.map(|v| list(&v)));
         text += &line("stroke", self.stroke.map(|v| list(&v)));
+        text += &line("joint", self.joint.as_ref().map(|j| quoted(j)));
+        text += &line("joint_reversed", self.joint_reversed.then(|| "true".into()));
         text += &line("nominal_platform", self.nominal_platform.map(|v| list(&v)));
         text += &line("nominal_base", self.nominal_base.map(|v| list(&v)));
         text + &line("nominal_length_offset", not_zero(self.nominal_length_offset))

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::urdf::Finding;
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 
@@ -48,6 +49,14 @@ pub enum FileError {
         path: PathBuf,
         /// Line, column, excerpt and reason.
         message: String,
+    },
+    /// A URDF file is not a mechanism that can be read; every finding names its element and the remedy.
+    #[error("{}", findings_text(path, findings))]
+    Urdf {
+        /// File.
+        path: PathBuf,
+        /// What is wrong with it.
+        findings: Vec<Finding>,
     },
     /// A value of a mechanism file is not acceptable.
     #[error("{}: {place}: {problem}", path.display())]
@@ -169,6 +178,12 @@ pub enum FileError {
         /// File.
         path: PathBuf,
     },
+}
+
+/// One line for each finding.
+fn findings_text(path: &Path, findings: &[Finding]) -> String {
+    let line = |f: &Finding| format!("{}: {f}", path.display());
+    findings.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// The text of a file.

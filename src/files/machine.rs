@@ -10,8 +10,9 @@ use super::error::{FileError, read_text};
 use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
 use super::plane::{PlaneSection, carried};
+use super::urdf::{self, UrdfOptions};
 use crate::measurement::{Contact, Frames, Noise, TargetPoint};
-use crate::mechanism::{Leg, Mechanism, SixHardpoint, Workspace};
+use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
 
@@ -44,40 +45,81 @@ pub struct Machine {
     pub angle_unit: Unit,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Every file that it was read from.
+    pub(super) inputs: Vec<PathBuf>,
     pub(super) document: MechanismDocument,
 }
 
 impl Machine {
-    /// Reads a mechanism file.
+    /// Reads a mechanism file: TOML, or URDF with what stands beside it.
     ///
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref();
-        let text = read_text(path)?;
-        Self::from_text(&text, path)
+        Self::read_with(path, &UrdfOptions::default())
     }
 
-    /// Reads the text of a mechanism file; `path` is only named in errors.
+    /// The same, with what a URDF file leaves open.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do; also if `options` are given for a file without URDF.
+    pub fn read_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let text = read_text(path)?;
+        let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
+        if urdf::is_xml(&text) || urdf::is_urdf(path) {
+            return urdf::read(path, &text, options);
+        }
+        if let Some(robot) = urdf::names_a_urdf(&text) {
+            return urdf::read_named(path, &text, &robot, options);
+        }
+        if !options.is_empty() {
+            let problem = "closures, links and joint coordinates are stated for URDF files only, and this is none";
+            return Err(value("the call", format!("{problem}; leave the options out")));
+        }
+        let machine = Self::from_text(&text, path);
+        let robot = path.with_extension("urdf");
+        if matches!(
+            &machine,
+            Err(FileError::Geometry { cause: GeometryError::LegCount { found: 0 }, .. } | FileError::Toml { .. })
+        ) && robot.is_file()
+            && !text.contains("[[leg]]")
+        {
+            let problem = format!("there is none; this file belongs to '{}', name that one", robot.display());
+            return Err(value("[[leg]]", problem));
+        }
+        machine
+    }
+
+    /// Reads the text of a mechanism file, TOML or URDF; `path` is only named in errors, and nothing beside it is read.
     ///
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_text(text: &str, path: &Path) -> Result<Self, FileError> {
-        if text.trim_start().starts_with('<') {
-            let message = "is an XML file; this version reads mechanism files in TOML (type = \"six-hardpoint\")";
-            return Err(FileError::Toml { path: path.into(), message: message.into() });
+        if urdf::is_xml(text) {
+            return urdf::from_text(path, text, &UrdfOptions::default());
         }
         let document: MechanismDocument = toml::from_str(text)
             .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
-        let unit = |dimension, name: &str, place| {
-            Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: path.into(), place, cause })
-        };
-        let reader = Reader {
-            path,
-            length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
-            angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
-        };
-        build(&reader, document)
+        Self::from_document(document, path)
+    }
+
+    /// The machine of a document; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_document(document: MechanismDocument, path: &Path) -> Result<Self, FileError> {
+        build(&Reader::of(path, &document)?, document)
+    }
+
+    /// Every file that it was read from.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
+    }
+
+    /// The file as it was read; a URDF as the TOML file that says the same.
+    pub fn document(&self) -> &MechanismDocument {
+        &self.document
     }
 
     /// Unit in which its files write numbers of a dimension: the stated one of lengths and angles, otherwise SI.
@@ -139,6 +181,8 @@ impl Machine {
                 nominal_platform: kept.nominal_platform.or(Some(kept.platform)),
                 nominal_base: kept.nominal_base.or(Some(kept.base)),
                 nominal_length_offset: offset,
+                joint: kept.joint.take(),
+                joint_reversed: kept.joint_reversed,
                 ..entry(l)
             };
         }

@@ -34,7 +34,7 @@ pub struct Measurement {
 pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Measurement, FileError> {
     let path = path.as_ref();
     let names: Vec<String> = machine.targets.iter().map(|t| t.name.clone()).collect();
-    let table = Table::read(path, machine.mechanism.as_ref(), &names)?;
+    let table = Table::read(path, machine, &names)?;
     let mut warnings = Vec::new();
     let samples = samples(&table, machine, &mut warnings)?;
     let mut noise = machine.noise.unwrap_or_else(|| Noise::unknown(characteristic_length(machine.mechanism.as_ref())));

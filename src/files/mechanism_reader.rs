@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::document::{LegEntry, MechanismDocument};
 use super::error::FileError;
+use super::joint_columns::check_joints;
 use super::kinds::{self, KINDS, check_keys};
 use super::machine::{Machine, SIX_HARDPOINT};
 use super::writer::number;
@@ -20,6 +21,20 @@ pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
     pub(super) length: Unit,
     pub(super) angle: Unit,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader in the units of a document.
+    pub(super) fn of(path: &'a Path, document: &MechanismDocument) -> Result<Self, FileError> {
+        let unit = |dimension, name: &str, place| {
+            Unit::of(dimension, name).map_err(|cause| FileError::Unit { path: path.into(), place, cause })
+        };
+        Ok(Self {
+            path,
+            length: unit(Dimension::Length, &document.length_unit, "length_unit")?,
+            angle: unit(Dimension::Angle, &document.angle_unit, "angle_unit")?,
+        })
+    }
 }
 
 impl Reader<'_> {
@@ -262,6 +277,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     }
     let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
     kept_sections(r, &document)?;
+    warnings.extend(check_joints(r, &document)?);
     Ok(Machine {
         path: path.into(),
         mechanism,
@@ -274,6 +290,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,
+        inputs: vec![path.into()],
         document,
     })
 }

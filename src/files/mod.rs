@@ -1,4 +1,4 @@
-//! Files: mechanism files (TOML), measurements and pose lists (CSV), and how output reaches the disk.
+//! Files: mechanism files (TOML, URDF), measurements and pose lists (CSV), and how output reaches the disk.
 //!
 //! * [`Machine`] is a mechanism file: the mechanism, and what else is known about it (workspace, noise,
 //!   targets). Units are named in the file; everything is SI once it is read.
@@ -10,6 +10,7 @@
 mod column;
 mod document;
 mod error;
+mod joint_columns;
 mod kinds;
 mod machine;
 mod measurement_file;
@@ -20,6 +21,7 @@ mod pose_file;
 mod readings;
 mod table;
 mod time;
+mod urdf;
 mod writer;
 
 pub use document::{
@@ -32,4 +34,5 @@ pub use measurement_file::{Measurement, read_measurement};
 pub use outputs::Outputs;
 pub use plane::PlaneSection;
 pub use pose_file::{ListedPose, read_parameter_errors, read_poses};
+pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
 pub use writer::{CsvTable, number};

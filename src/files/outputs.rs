@@ -22,6 +22,11 @@ impl Outputs {
         Self { files: Vec::new(), inputs: inputs.into_iter().map(|p| p.as_ref().into()).collect() }
     }
 
+    /// Adds inputs, once it is known which files were read.
+    pub fn protect<P: AsRef<Path>>(&mut self, inputs: impl IntoIterator<Item = P>) {
+        self.inputs.extend(inputs.into_iter().map(|p| p.as_ref().into()));
+    }
+
     /// Checks that `path` may be written, before any work is done for it.
     ///
     /// # Errors

@@ -26,7 +26,7 @@ pub struct ListedPose {
 /// [`FileError`] naming row, column and what to do.
 pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<ListedPose>, FileError> {
     let path = path.as_ref();
-    let table = Table::read(path, machine.mechanism.as_ref(), &[])?;
+    let table = Table::read(path, machine, &[])?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };

@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::column::{Column, Meaning, column};
 use super::error::{FileError, read_text};
-use crate::mechanism::Mechanism;
+use super::machine::Machine;
 
 /// A table whose rows all have the length of its header.
 pub(super) struct Table {
@@ -17,8 +17,9 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Reads a table and what its columns mean for a mechanism.
-    pub(super) fn read(path: &Path, mechanism: &dyn Mechanism, targets: &[String]) -> Result<Self, FileError> {
+    /// Reads a table and what its columns mean for a machine.
+    pub(super) fn read(path: &Path, machine: &Machine, targets: &[String]) -> Result<Self, FileError> {
+        let joints = machine.joint_columns();
         let (header, rows) = read_cells(path)?;
         let mut columns: Vec<Column> = Vec::with_capacity(header.len());
         for name in &header {
@@ -26,7 +27,7 @@ impl Table {
             if name.is_empty() {
                 return Err(problem("has no name".into()));
             }
-            let found = column(name, &header, mechanism, targets).map_err(problem)?;
+            let found = column(name, &header, machine.mechanism.as_ref(), targets, &joints).map_err(problem)?;
             if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
                 return Err(problem(if other.name == *name {
                     "stands twice in the header; delete or rename one of them".into()
@@ -76,6 +77,7 @@ impl Table {
         let error = |problem: &str| self.cell_error(row, column, format!("{problem}; {advice}"));
         let value: f64 = text.parse().map_err(|_| error("is not a number"))?;
         let value = self.columns[column].unit.map_or(value, |u| u.to_si(value));
+        let value = self.columns[column].joint.as_ref().map_or(value, |j| j.length(value));
         if value.is_finite() { Ok(value) } else { Err(error("is not a finite number")) }
     }
 

@@ -93,6 +93,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         outputs.check(path)?;
     }
     let machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     let holdout = match (&args.holdout, &second) {
         (None, _) => Holdout::Folds(5),
@@ -137,12 +138,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.own_parameters().is_empty()) {
         document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
     }
-    outputs.add(&args.output, document.to_text())?;
+    let written = outputs.add_mechanism(&args.output, &document)?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
     }
     outputs.write()?;
-    result.verdict.warnings.iter().for_each(|w| ui.warn(w));
+    result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
     let title = mechanism.name();
     ui.result(
         &text::calibration(&result, title, &measurement.data.model().describe(), chosen.name()),

@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use paracal::conditions::Conditions;
-use paracal::files::{CsvTable, Machine, Measurement, number, read_measurement};
+use paracal::files::{CsvTable, Machine, Measurement, UrdfOptions, number, read_measurement};
 use paracal::identification::IdentifyError;
 use paracal::measurement::Dataset;
 use paracal::mechanism::Mechanism;
@@ -25,6 +25,8 @@ pub(crate) struct Ui {
     pub(crate) json: bool,
     /// No progress and no warnings.
     pub(crate) quiet: bool,
+    /// What a URDF file leaves open.
+    pub(crate) urdf: UrdfOptions,
 }
 
 impl Ui {
@@ -63,7 +65,7 @@ impl Ui {
 
     /// Reads a mechanism file and prints its warnings.
     pub(crate) fn machine(&self, path: &Path) -> Result<Machine> {
-        let machine = Machine::read(path)?;
+        let machine = Machine::read_with(path, &self.urdf)?;
         machine.warnings.iter().for_each(|w| self.warn(w));
         Ok(machine)
     }

@@ -28,6 +28,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.poses]);
     outputs.check(&args.output)?;
     let machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
     let mechanism = machine.mechanism.as_ref();
     let poses = read_poses(&args.poses, &machine)?;
     let at = Conditions::unknown();

@@ -30,7 +30,7 @@ const SURVEYED: usize = 1000;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     // The warnings of the file are part of the result here.
-    let machine = Machine::read(&args.mechanism)?;
+    let machine = Machine::read_with(&args.mechanism, &ui.urdf)?;
     let mechanism = machine.mechanism.as_ref();
     let c = mechanism.values();
     let at = Conditions::unknown();
@@ -73,7 +73,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         prospect: outlook,
         warnings,
     };
-    ui.result(&text::inspection(&seen), &json::inspection(&seen));
+    let mut shown = json::inspection(&seen);
+    shown["joints"] = machine.joint_names().into();
+    let mut report = text::inspection(&seen);
+    if machine.joint_names().iter().zip(mechanism.joints()).any(|(own, j)| *own != j.name) {
+        let report_joints = machine.joint_names().join(", ");
+        report += &format!("\n\nJoints of the legs in URDF and in data columns: {report_joints}");
+    }
+    ui.result(&report, &shown);
     Ok(ExitCode::SUCCESS)
 }
 

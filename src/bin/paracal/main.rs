@@ -3,10 +3,12 @@
 mod calibrate;
 mod common;
 mod compensate;
+mod convert;
 mod evaluate;
 mod inspect;
 mod select;
 mod simulate;
+mod urdf_args;
 
 use std::process::ExitCode;
 
@@ -33,6 +35,8 @@ struct Cli {
     /// Threads to use; results do not depend on it.
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: Option<u16>,
+    #[command(flatten)]
+    urdf: urdf_args::UrdfArgs,
 }
 
 #[derive(Subcommand)]
@@ -49,11 +53,17 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Leg lengths to command for poses.
     Compensate(compensate::Args),
+    /// The same mechanism as URDF or as TOML.
+    Convert(convert::Args),
 }
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let ui = Ui { json: cli.json, quiet: cli.quiet };
+    let urdf = match cli.urdf.options() {
+        Ok(options) => options,
+        Err(error) => return report_error(&error),
+    };
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
@@ -65,6 +75,7 @@ fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(args, &ui),
         Command::Evaluate(args) => evaluate::run(args, &ui),
         Command::Compensate(args) => compensate::run(args, &ui),
+        Command::Convert(args) => convert::run(args, &ui),
     };
     match done {
         Ok(code) => code,

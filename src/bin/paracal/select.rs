@@ -92,6 +92,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         bail!("-n 0: select at least one pose");
     }
     let machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
     let mechanism = machine.mechanism.as_ref();
     let file = || args.mechanism.display().to_string();
     let workspace =

@@ -82,6 +82,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let position = quantity("noise-position", &args.noise_position, Dimension::Length)?;
     let rotation = quantity("noise-rotation", &args.noise_rotation, Dimension::Angle)?;
     let machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
     let mechanism = machine.mechanism.as_ref();
     let listed = read_poses(&args.poses, &machine)?;
     let stated = machine.noise.unwrap_or(Noise::stated(0.0, 0.0));
@@ -127,7 +128,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     outputs.add(&args.output, table.to_text())?;
     if let Some(path) = &args.truth {
         let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[], &Frames::default())?;
-        outputs.add(path, document.to_text())?;
+        let written = outputs.add_mechanism(path, &document)?;
+        written.warnings.iter().for_each(|w| ui.warn(w));
     }
     outputs.write()?;
     let text =

@@ -1,0 +1,91 @@
+//! Closures from several sources: which one counts, and whether they agree.
+
+use std::collections::HashMap;
+
+use super::closures::{Closure, Frame, Motion};
+use super::finding::{FindingKind as K, Findings};
+use super::model::{Bodies, Edge, Model};
+
+/// Adds the closures to the model, the preferred sources first. What closes one pair of bodies twice must agree.
+pub(super) fn add_closures(
+    model: &mut Model,
+    mut closures: Vec<Closure>,
+    home: &[Option<Frame>],
+    findings: &mut Findings,
+) {
+    closures.sort_by_key(|c| c.source);
+    let bodies = Bodies::of(model);
+    let tolerance = 1e-4 * size(model);
+    let mut between: HashMap<[usize; 2], usize> = HashMap::new();
+    let key = |edge: &Edge| {
+        let mut pair = edge.sides.map(|s| bodies.of[s.link]);
+        pair.sort_unstable();
+        pair
+    };
+    for (k, edge) in model.edges.iter().enumerate() {
+        if !matches!(edge.motion, Motion::Floating | Motion::Fixed) {
+            between.entry(key(edge)).or_insert(k);
+        }
+    }
+    for closure in &closures {
+        let before = model.edges.len();
+        model.close(closure, home, findings);
+        let Some(new) = model.edges.get(before) else { continue };
+        let pair = key(new);
+        if pair[0] == pair[1] {
+            let text = format!(
+                "{} '{}' closes '{}' with '{}', which are fixed to one another; pair a frame of the leg with one of the \
+                 platform",
+                closure.source, closure.name, closure.ends[0].link, closure.ends[1].link
+            );
+            findings.add(K::ClosureWithinOneBody, &closure.name, closure.line, text);
+            model.edges.pop();
+            continue;
+        }
+        let Some(first) = between.get(&pair).copied() else {
+            between.insert(pair, before);
+            continue;
+        };
+        if let Some(motion) = agreed(&model.edges[first], new, &bodies, tolerance) {
+            model.edges[first].motion = motion;
+        } else {
+            let other = &model.edges[first];
+            let text = format!(
+                "{} '{}' and {} '{}' close the same two bodies in different places or ways; delete one of them",
+                closure.source, closure.name, other.source, other.name
+            );
+            findings.add(K::ConflictingClosures, &closure.name, closure.line, text);
+        }
+        model.edges.pop();
+    }
+}
+
+/// What two closures of the same bodies leave free, if they say the same.
+fn agreed(first: &Edge, second: &Edge, bodies: &Bodies, tolerance: f64) -> Option<Motion> {
+    let swapped = bodies.of[first.sides[0].link] != bodies.of[second.sides[0].link];
+    let other = if swapped { [1, 0] } else { [0, 1] };
+    for (k, other) in other.into_iter().enumerate() {
+        let place = |edge: &Edge, side: usize| bodies.frame(&edge.sides[side]).translation.vector;
+        if !((place(first, k) - place(second, other)).norm() <= tolerance) {
+            return None;
+        }
+    }
+    match (first.motion, second.motion) {
+        (Motion::Undecided, Motion::Hinge(axis)) => {
+            // The axis is kept in the first frame of the record that stays.
+            let of_second = bodies.frame(&second.sides[0]).rotation * axis;
+            let side = if swapped { 1 } else { 0 };
+            // Frames that are paired coincide, so either body carries the axis over.
+            let local = bodies.frame(&first.sides[side]).rotation.inverse() * of_second;
+            Some(Motion::Hinge(local))
+        }
+        (Motion::Undecided, other) => Some(other),
+        (other, Motion::Undecided) => Some(other),
+        (a, b) => (std::mem::discriminant(&a) == std::mem::discriminant(&b)).then_some(a),
+    }
+}
+
+/// The longest step from a link to a joint: the size of the robot, roughly.
+fn size(model: &Model) -> f64 {
+    model.edges[..model.joints].iter().map(|e| e.sides[0].frame.translation.vector.norm()).fold(0.0, f64::max)
+}

@@ -1,0 +1,233 @@
+//! From a robot to six legs: base, platform, anchors, lengths and home.
+
+use std::collections::{HashMap, HashSet};
+
+use nalgebra::{Point3, Vector3};
+
+use super::agree::add_closures;
+use super::closures::Motion;
+use super::description::Description;
+use super::finding::{FindingKind as K, Findings, did_you_mean};
+use super::graph::Graph;
+use super::home::Assembly;
+use super::leg::{Allowed, Measured, measure};
+use super::model::{Bodies, Model};
+use super::options::HomeJoint;
+use super::pairs::{Pair, closing_frames};
+use crate::pose::Pose;
+use crate::units::Dimension;
+
+/// All that is stated beside the file, by the call and by side files.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Settings {
+    pub(super) pairs: Vec<Pair>,
+    pub(super) base_link: Option<String>,
+    pub(super) platform_link: Option<String>,
+    pub(super) home: Vec<HomeJoint>,
+    pub(super) tolerance: Option<f64>,
+    /// The joints that are driven; all slides if empty.
+    pub(super) motors: Vec<String>,
+    /// Types given to joints that URDF cannot name.
+    pub(super) motions: HashMap<String, Motion>,
+    /// True if the side file states ranges of the lengths, or that there are none.
+    pub(super) strokes_stated: bool,
+    /// True if the side file states the home pose.
+    pub(super) home_stated: bool,
+}
+
+/// A leg, SI.
+#[derive(Clone, Debug)]
+pub(super) struct FoundLeg {
+    pub(super) joint: String,
+    pub(super) reversed: bool,
+    pub(super) platform: Vector3<f64>,
+    pub(super) base: Vector3<f64>,
+    /// Length at joint coordinate zero.
+    pub(super) length: f64,
+    pub(super) range: Option<[f64; 2]>,
+}
+
+/// What a robot is made of, for this program.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub(super) legs: Vec<FoundLeg>,
+    /// `None` where neither joints nor lengths say it.
+    pub(super) home: Option<Pose>,
+}
+
+/// Finds the legs of a robot; `None` if something is wrong, which is then reported.
+pub(super) fn extract(description: &Description, settings: &Settings, findings: &mut Findings) -> Option<Found> {
+    let mut model = Model::of(description, &settings.motions, findings);
+    if model.roots.is_empty() && model.links.is_empty() {
+        findings.add(K::MissingPart, "", None, "the robot has no links; check that it is the right file");
+        return None;
+    }
+    let values = home_values(&model, settings, findings);
+    for name in settings.motors.iter().chain(settings.motions.keys()) {
+        if !model.edges.iter().any(|e| e.name == *name) {
+            let hint = did_you_mean(name, model.edges.iter().map(|e| e.name.as_str()));
+            let text = format!("the side file names the joint '{name}', which does not exist{hint}");
+            findings.add(K::UnknownJoint, name, None, text);
+        }
+    }
+    let named = |name: &Option<String>, model: &Model, what: &str, findings: &mut Findings| {
+        let name = name.as_ref()?;
+        let link = model.link(name);
+        if link.is_none() {
+            let hint = did_you_mean(name, model.links.iter().map(String::as_str));
+            let text = format!("'{name}', named as the {what} link, does not exist{hint}");
+            findings.add(K::UnknownLink, name, None, text);
+        }
+        link
+    };
+    let base_link = named(&settings.base_link, &model, "base", findings);
+    let platform_link = named(&settings.platform_link, &model, "platform", findings);
+    let places = model.places(&values);
+    let allowed_roots = if platform_link.is_some() { 2 } else { 1 };
+    model.check_roots(&places, allowed_roots, findings);
+    let mut closures: Vec<_> = settings.pairs.iter().filter_map(|p| p.closure(description, findings)).collect();
+    closures.extend(description.closures.iter().cloned());
+    closures.extend(closing_frames(description, findings));
+    add_closures(&mut model, closures, &places, findings);
+    if findings.any_error() {
+        return None;
+    }
+
+    let bodies = Bodies::of(&model);
+    let platform_body = platform_link.map(|l| bodies.of[l]);
+    // With a platform of its own root, the base is the other root.
+    let root =
+        model.roots.iter().copied().find(|r| Some(bodies.of[*r]) != platform_body).or(model.roots.first().copied())?;
+    let base = bodies.of[base_link.unwrap_or(root)];
+    if platform_body == Some(base) {
+        let name = settings.platform_link.clone().unwrap_or_default();
+        let text = format!("'{name}' is named as the platform, but is fixed to the base; name another link");
+        findings.add(K::DisconnectedPlatform, name, None, text);
+        return None;
+    }
+    let motors: HashSet<&str> = settings.motors.iter().map(String::as_str).collect();
+    let actuated = |k: usize| motors.is_empty() || motors.contains(model.edges[k].name.as_str());
+    let (platform, legs) = Graph::new(&model, &bodies, &actuated).legs(base, platform_body, findings)?;
+    let allowed = Allowed { distance: settings.tolerance };
+    let mut measured = Vec::with_capacity(legs.len());
+    for leg in &legs {
+        match measure(&model, &bodies, leg, [base, platform], allowed) {
+            Ok(leg) => measured.push(leg),
+            Err(finding) => findings.push(finding),
+        }
+    }
+    let base_link = base_link.unwrap_or_else(|| choose_base(&model, &bodies, base, root));
+    let platform_link = platform_link.unwrap_or_else(|| choose_platform(&model, &bodies, platform, findings));
+    let frames = [base_link, platform_link].map(|l| bodies.frames[l].inverse());
+    let mut found = Found { legs: Vec::with_capacity(measured.len()), home: None };
+    for leg in &measured {
+        let range = range(&model, leg, settings, findings);
+        let [base, platform] = [0, 1].map(|k| (frames[k] * Point3::from(leg.anchors[k])).coords);
+        let (joint, reversed, length) = (leg.joint.clone(), leg.reversed, leg.length);
+        found.legs.push(FoundLeg { joint, reversed, platform, base, length, range });
+    }
+    if findings.any_error() {
+        return None;
+    }
+    if !settings.home_stated
+        && let (Some(b), Some(p)) = (places[base_link], places[platform_link])
+        && model.roots.len() == 1
+    {
+        let tree = b.inverse() * p;
+        let tree = Pose { position: tree.translation.vector, rotation: tree.rotation.to_rotation_matrix() };
+        let seen = Assembly { model: &model, measured: &measured, places: &places, links: [base_link, platform_link] };
+        found.home = seen.home(&found.legs, tree, &values, allowed, findings);
+    }
+    Some(found)
+}
+
+/// Coordinates of the joints at home, by joint.
+fn home_values(model: &Model, settings: &Settings, findings: &mut Findings) -> HashMap<usize, f64> {
+    let mut values = HashMap::new();
+    for stated in &settings.home {
+        let name = &stated.joint;
+        let Some(k) = (0..model.joints).find(|k| model.edges[*k].name == *name) else {
+            let hint = did_you_mean(name, model.edges[..model.joints].iter().map(|e| e.name.as_str()));
+            findings.add(K::UnknownJoint, name, None, format!("joint '{name}', given at home, does not exist{hint}"));
+            continue;
+        };
+        let dimension = match model.edges[k].motion {
+            Motion::Slide(_) => Dimension::Length,
+            Motion::Hinge(_) => Dimension::Angle,
+            _ => {
+                let text = format!("joint '{name}', given at home, has no single coordinate; name a slide or a hinge");
+                findings.add(K::BadSetting, name, model.edges[k].line, text);
+                continue;
+            }
+        };
+        if stated.dimension.is_some_and(|d| d != dimension) || !stated.value.is_finite() {
+            let text = format!(
+                "joint '{name}', given at home, needs a finite number with one of the units {}",
+                dimension.choices()
+            );
+            findings.add(K::BadSetting, name, model.edges[k].line, text);
+        }
+        if values.insert(k, stated.value).is_some() {
+            findings.add(K::BadSetting, name, None, format!("joint '{name}' is given at home twice; keep one"));
+        }
+    }
+    values
+}
+
+/// The link whose frame is the base frame.
+fn choose_base(model: &Model, bodies: &Bodies, base: usize, root: usize) -> usize {
+    let mut usual = ["base_link", "base"].iter().filter_map(|name| model.link(name));
+    usual.find(|l| bodies.of[*l] == base).unwrap_or(root)
+}
+
+/// The link whose frame is the platform frame.
+fn choose_platform(model: &Model, bodies: &Bodies, platform: usize, findings: &mut Findings) -> usize {
+    let of_body: Vec<usize> = (0..model.links.len()).filter(|l| bodies.of[*l] == platform).collect();
+    let joints = &model.edges[..model.joints];
+    let floating = joints.iter().filter(|e| e.motion == Motion::Floating).map(|e| e.sides[1].link);
+    if let Some(link) = floating.into_iter().find(|l| bodies.of[*l] == platform) {
+        return link;
+    }
+    let starts = |l: &&usize| ["platform", "top"].iter().any(|p| model.links[**l].to_lowercase().starts_with(p));
+    let named: Vec<usize> = of_body.iter().filter(starts).copied().collect();
+    if let [link] = named[..] {
+        return link;
+    }
+    let fixed_children =
+        |l: &usize| joints.iter().filter(|e| e.motion == Motion::Fixed && e.sides[0].link == *l).count();
+    let chosen = of_body.iter().copied().max_by_key(|l| (fixed_children(l), usize::MAX - l)).unwrap_or_default();
+    if of_body.len() > 1 {
+        let name = &model.links[chosen];
+        let text =
+            format!("the frame of link '{name}' is taken as the platform frame; `--platform-link` names another");
+        findings.add(K::Note, name, None, text);
+    }
+    chosen
+}
+
+/// The lengths that the limits of a slide leave.
+fn range(model: &Model, leg: &Measured, settings: &Settings, findings: &mut Findings) -> Option<[f64; 2]> {
+    let joint = &leg.joint;
+    let mut wrong = |kind, text: String| {
+        // A side file may state the range instead, or that there is none.
+        if !settings.strokes_stated {
+            let advice =
+                "correct <limit lower upper>, or state `strokes` in a side file (`[]` for a leg without limits)";
+            findings.add(kind, joint, leg.line, format!("joint '{joint}' {text}; {advice}"));
+        }
+        None
+    };
+    let Some([lower, upper]) = model.edges[leg.edge].limit else {
+        return wrong(K::NoLimit, "has no limits".into());
+    };
+    if !(lower < upper) {
+        return wrong(K::EmptyRange, format!("has the limits {lower} to {upper} m, which leave no travel"));
+    }
+    let ends =
+        if leg.reversed { [leg.length - upper, leg.length - lower] } else { [leg.length + lower, leg.length + upper] };
+    if !(ends[0] > 0.0) {
+        let text = format!("can move until the leg is {:.3} mm long, which is no length", 1e3 * ends[0]);
+        return wrong(K::EmptyRange, text);
+    }
+    Some(ends)
+}

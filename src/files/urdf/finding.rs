@@ -1,0 +1,222 @@
+//! What a URDF file has wrong, each with a name, a place and a remedy.
+
+use std::fmt;
+
+/// Name of what was found. Kinds whose [`is_warning`](Self::is_warning) holds do not stop the reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum FindingKind {
+    /// The root element is not `<robot>`.
+    NotUrdf,
+    /// Macros of xacro that nobody expanded.
+    UnexpandedXacro,
+    /// Not well-formed XML.
+    Xml,
+    /// Larger, deeper or with more elements than any robot.
+    TooLarge,
+    /// An element lacks a name, a type or a link.
+    MissingPart,
+    /// A text that should be numbers is none.
+    BadNumber,
+    /// NaN or infinity.
+    NotFinite,
+    /// Two links of one name.
+    DuplicateLink,
+    /// Two joints of one name.
+    DuplicateJoint,
+    /// A joint or closure names a link that does not exist.
+    UnknownLink,
+    /// A setting names a joint that does not exist.
+    UnknownJoint,
+    /// An axis of length zero.
+    ZeroAxis,
+    /// A joint type that is not known, or that has no place in a leg.
+    UnsupportedJointType,
+    /// More than one link without a parent.
+    SeveralRoots,
+    /// Links that no walk from the root reaches.
+    CyclicParents,
+    /// No leg reaches the link that is named as the platform.
+    DisconnectedPlatform,
+    /// An arm and not a parallel mechanism.
+    SerialChain,
+    /// A tree in which no loop is closed.
+    NoLoopClosures,
+    /// A closing frame without its partner.
+    UnpairedClosingFrame,
+    /// A closing pair names what does not exist.
+    UnknownClosureLink,
+    /// Two statements close the same loop in different places.
+    ConflictingClosures,
+    /// Both ends of a closure are on one rigid body.
+    ClosureWithinOneBody,
+    /// A closure of unknown kind.
+    UnknownClosureType,
+    /// Fewer than six legs.
+    TooFewLegs,
+    /// More than six legs.
+    TooManyLegs,
+    /// A leg without an actuated slide.
+    LegWithoutSlide,
+    /// A leg with more than one slide.
+    LegWithTwoSlides,
+    /// The slide of a leg only follows another joint.
+    MimicSlide,
+    /// A leg with branches or loops of its own.
+    LegBranches,
+    /// A leg whose joints leave the platform too little or too much freedom.
+    LegMobility,
+    /// Every leg is driven by turning joints.
+    NoPrismaticActuators,
+    /// The slide is fixed on the base or on the platform.
+    SlideOnBase,
+    /// Several bodies could be the platform.
+    AmbiguousPlatform,
+    /// The joints of one end of a leg have no common point, since there are too few.
+    AnchorUndetermined,
+    /// The joint axes of one end of a leg miss each other.
+    JointAxesDoNotMeet,
+    /// The slide does not move along the line of the anchors.
+    SlideOffLeg,
+    /// A slide without limits.
+    NoLimit,
+    /// Limits that leave no travel or no length.
+    EmptyRange,
+    /// A setting that does not fit the file.
+    BadSetting,
+    /// At its zero pose the file is not assembled; the home pose was found from the lengths.
+    HomeNotClosed,
+    /// A slide stands outside its limits at home.
+    HomeOutsideLimits,
+    /// The legs hardly hold the platform at home.
+    SingularHome,
+    /// A slide without `<axis>`.
+    DefaultAxis,
+    /// Something of the file was chosen or passed over.
+    Note,
+}
+
+impl FindingKind {
+    /// True for what the user should know although the file is read.
+    pub fn is_warning(self) -> bool {
+        use FindingKind as K;
+        matches!(self, K::HomeNotClosed | K::HomeOutsideLimits | K::SingularHome | K::DefaultAxis | K::Note)
+    }
+}
+
+impl fmt::Display for FindingKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+/// One thing that is wrong, or worth knowing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// What it is.
+    pub kind: FindingKind,
+    /// Name of the link, joint or closure; empty if it is about the whole file.
+    pub element: String,
+    /// Line of the element, from 1.
+    pub line: Option<usize>,
+    /// What is wrong, and what to do.
+    pub text: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(line) = self.line {
+            write!(f, "line {line}: ")?;
+        }
+        write!(f, "{}: {}", self.kind, self.text)
+    }
+}
+
+/// More findings than this are not kept: a file with so many has one cause.
+const KEPT: usize = 100;
+
+/// Findings of one run.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    list: Vec<Finding>,
+}
+
+impl Findings {
+    /// Adds one.
+    pub(super) fn add(
+        &mut self,
+        kind: FindingKind,
+        element: impl Into<String>,
+        line: impl Into<Option<usize>>,
+        text: impl Into<String>,
+    ) {
+        self.push(Finding { kind, element: element.into(), line: line.into(), text: text.into() });
+    }
+
+    pub(super) fn push(&mut self, finding: Finding) {
+        if self.list.len() < KEPT {
+            self.list.push(finding);
+        }
+    }
+
+    /// Fails with the errors so far; warnings stay.
+    pub(super) fn stop_on_errors(&mut self) -> Result<(), Vec<Finding>> {
+        let (warnings, errors): (Vec<_>, Vec<_>) = self.list.drain(..).partition(|f| f.kind.is_warning());
+        self.list = warnings;
+        if errors.is_empty() { Ok(()) } else { Err(errors) }
+    }
+
+    pub(super) fn any_error(&self) -> bool {
+        self.list.iter().any(|f| !f.kind.is_warning())
+    }
+
+    /// The warnings, once the errors are out of the way.
+    pub(super) fn into_warnings(self) -> Vec<Finding> {
+        self.list
+    }
+}
+
+/// The nearest of `names`, to ask "did you mean".
+pub(super) fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    // Long names and long lists are not searched: the answer is worth no wait.
+    let short = |n: &&str| n.chars().count() <= 60;
+    if !short(&name) {
+        return None;
+    }
+    let scored = names.take(2000).filter(short).map(|n| (distance(name, n), n));
+    scored.min_by_key(|(d, _)| *d).filter(|(d, _)| *d <= 1 + name.chars().count() / 4).map(|(_, n)| n)
+}
+
+/// `; did you mean '…'?`, or nothing.
+pub(super) fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
+    nearest(name, names).map_or_else(String::new, |n| format!("; did you mean '{n}'?"))
+}
+
+/// Number of insertions, deletions and replacements from one word to another.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut corner = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = corner + usize::from(x != *y);
+            corner = row[j + 1];
+            row[j + 1] = replaced.min(corner + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_found_and_a_far_one_is_not() {
+        let names = ["platform", "base", "leg1_rod"];
+        assert_eq!(nearest("platfrom", names.into_iter()), Some("platform"));
+        assert_eq!(nearest("leg1_rot", names.into_iter()), Some("leg1_rod"));
+        assert_eq!(nearest("wheel", names.into_iter()), None);
+    }
+}

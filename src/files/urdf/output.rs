@@ -1,0 +1,82 @@
+//! Mechanism files among the outputs of a command: TOML, or URDF with its side file.
+
+use std::path::{Path, PathBuf};
+
+use super::side::is_closure_yaml;
+use crate::files::document::MechanismDocument;
+use crate::files::error::FileError;
+use crate::files::machine::Machine;
+use crate::files::outputs::Outputs;
+
+/// What was added to the outputs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenMechanism {
+    /// The side file, if one is written.
+    pub side: Option<PathBuf>,
+    /// What could not be kept, and what was chosen.
+    pub warnings: Vec<String>,
+}
+
+impl Outputs {
+    /// Adds a mechanism file: URDF and its side file if the name ends in `.urdf`, else TOML.
+    ///
+    /// # Errors
+    /// As [`add`](Self::add), also for the side file; [`FileError::Write`] if that would replace a mechanism file, or
+    /// an input with something that would be lost.
+    pub fn add_mechanism(&mut self, path: &Path, document: &MechanismDocument) -> Result<WrittenMechanism, FileError> {
+        if !is_urdf(path) {
+            self.add(path, document.to_text())?;
+            return Ok(WrittenMechanism::default());
+        }
+        let files = Machine::from_document(document.clone(), path)?.to_urdf()?;
+        self.add(path, files.robot)?;
+        let mut written = WrittenMechanism { side: None, warnings: files.warnings };
+        let side = path.with_extension("toml");
+        let refused = |problem: String| FileError::Write { path: side.clone(), cause: std::io::Error::other(problem) };
+        let robot = path.display();
+        match self.check(&side) {
+            Ok(()) => {}
+            Err(FileError::OverInput { .. }) if !files.side_needed => {
+                written.warnings.push(format!(
+                    "{} is an input and stays as it is, so {robot} stands alone and is read in m and rad",
+                    side.display()
+                ));
+                return Ok(written);
+            }
+            Err(FileError::OverInput { .. }) => {
+                return Err(refused(format!(
+                    "it is an input, and what URDF cannot say would stand in it; choose another stem than that of {robot} \
+                     for the output"
+                )));
+            }
+            Err(error) => return Err(error),
+        }
+        if side.is_file() && !is_side_file(&side) {
+            return Err(refused(format!(
+                "it is a mechanism file of its own, and the side file of {robot} would replace it; choose another name for \
+                 the output, or move it away"
+            )));
+        }
+        for extension in ["yaml", "yml"] {
+            let yaml = path.with_extension(extension);
+            if std::fs::read_to_string(&yaml).is_ok_and(|text| is_closure_yaml(&text)) {
+                let problem = format!("'{}' has closures for a URDF of that stem; choose another name", yaml.display());
+                return Err(FileError::Write { path: path.into(), cause: std::io::Error::other(problem) });
+            }
+        }
+        self.add(&side, files.side)?;
+        written.side = Some(side);
+        Ok(written)
+    }
+}
+
+/// True if a name is that of a URDF file.
+pub(in crate::files) fn is_urdf(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
+}
+
+/// True for a TOML file without legs.
+fn is_side_file(path: &Path) -> bool {
+    let table = std::fs::read_to_string(path).ok().and_then(|text| toml::from_str::<toml::Table>(&text).ok());
+    table.is_some_and(|t| !t.contains_key("leg"))
+}
