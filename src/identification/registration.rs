@@ -56,6 +56,8 @@ const FEWEST: usize = 3;
 /// Samples farther out than this many medians count less.
 const FAR: f64 = 3.0;
 const ROUNDS: usize = 4;
+/// How much farther away the tracker is than the target, where the data cannot tell.
+const TRACKER: f64 = 100.0;
 
 /// Finds the frames of the data, if they are not near the base frame and the platform frame already.
 ///
@@ -192,9 +194,12 @@ fn complete(pairs: &[Pair], turn: Rotation3<f64>, free: Free) -> Option<Frames> 
         a.fixed_view_mut::<3, 3>(3 * k, 3).copy_from(&(Matrix3::identity() * for_base));
         b.fixed_rows_mut::<3>(3 * k).copy_from(&(pair.point - turn * pair.nominal.place(&(turned * pair.place))));
     }
-    // Where the platform hardly turns, p_A and t_B are the same thing; the short solution is as good as any.
+    // Where the platform hardly turns, p_A and t_B are the same thing: the target is then taken to sit near the platform,
+    // and the tracker to stand far away, by counting lengths of t_B in units of TRACKER.
+    a.columns_mut(3, 3).scale_mut(TRACKER);
     let svd = a.svd(true, true);
-    let x = svd.solve(&b, 1e-6 * svd.singular_values.max()).ok()?;
+    let mut x = svd.solve(&b, 1e-6 * svd.singular_values.max()).ok()?;
+    x.rows_mut(3, 3).scale_mut(TRACKER);
     Some(Frames {
         base: Pose { position: Vector3::new(x[3], x[4], x[5]), rotation: turn },
         target: Pose { position: Vector3::new(x[0], x[1], x[2]), rotation: turned },

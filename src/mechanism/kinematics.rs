@@ -132,6 +132,16 @@ impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> LeastSquaresProble
     }
 }
 
+/// A minimum after one more Gauss–Newton step. The minimiser compares costs, which tell steps apart only down to the
+/// square root of rounding; the step itself is exact.
+fn polished(solution: &LeastSquaresSolution) -> DVector<f64> {
+    let step = solution.jacobian.clone().svd(true, true).solve(&solution.residual, 1e-12);
+    match step {
+        Ok(step) if step.amax() <= SETTLED => &solution.x - step,
+        _ => solution.x.clone(),
+    }
+}
+
 /// The pose in which more than six closure equations hold best.
 fn best_pose(
     joints: &[f64],
@@ -140,9 +150,9 @@ fn best_pose(
     rows: &mut impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
 ) -> Result<NewtonSolution<Pose>, NewtonError> {
     let mut problem = ManyRows { rows, joints, seed: *seed, equations };
-    let options = LeastSquaresOptions { residual_floor: 1e-14, max_iterations: 200, ..Default::default() };
+    let options = LeastSquaresOptions { residual_floor: 3e-16, max_iterations: 200, ..Default::default() };
     let found = |solution: &LeastSquaresSolution| NewtonSolution {
-        point: seed.moved(&solution.x.fixed_rows::<6>(0).into_owned()),
+        point: seed.moved(&polished(solution).fixed_rows::<6>(0).into_owned()),
         iterations: solution.history.len() as u64,
         // With more than six rows there is no sign that tells the sides of a singularity apart.
         determinant: 0.0,

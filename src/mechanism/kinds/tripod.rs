@@ -17,7 +17,7 @@ pub struct HingedLeg {
     pub base: Vector3<f64>,
     /// Axis of the hinge, base frame; any length. The leg moves in the plane through `base` perpendicular to it.
     pub axis: Vector3<f64>,
-    /// Small turns of the axis: towards the leg, and across it, rad.
+    /// Two small tilts of the axis in directions across it, rad.
     pub tilt: [f64; 2],
     /// True length less the commanded one.
     pub offset: f64,
@@ -54,9 +54,9 @@ impl Tripod {
             let axis = unit(leg, "axis", &l.axis)?;
             let at_home = (home.place(&l.platform) - l.base).norm();
             positive(leg, "length at home", at_home)?;
-            // The tilt that matters most turns the plane about the leg's foot, towards or across the leg.
-            let along = unit(leg, "leg", &(home.place(&l.platform) - l.base))?;
-            let across = unit(leg, "axis", &axis.cross(&along))?;
+            // Two directions across the axis that depend on nothing else, so that a calibrated file means the same tilt.
+            let least = axis.iamin();
+            let across = unit(leg, "axis", &axis.cross(&Vector3::ith(least, 1.0)))?;
             hinges.push([axis, across.cross(&axis), across]);
             let sigma = |f: fn(&Tolerances) -> f64| tolerances.as_ref().map(f);
             let role = ParameterRole::LegDimension { leg };
