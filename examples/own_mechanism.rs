@@ -22,11 +22,11 @@ struct VerticalSlides;
 
 impl Closure for VerticalSlides {
     fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
-        for leg in 0..6 {
+        for (leg, row) in out.iter_mut().enumerate() {
             // Carriages slide along z: |t + R a - b - h z| = s.
             let mut rod = s.place(&s.point(7 * leg)) - s.point(7 * leg + 3);
             rod.z -= s.joints[leg];
-            out[leg] = length(&rod) - s.parameters[7 * leg + 6];
+            *row = length(&rod) - s.parameters[7 * leg + 6];
         }
     }
 }

@@ -232,7 +232,7 @@ fn what_is_wrong_with_a_kind_is_named() {
         "identify = [\"q\"]\nlength_unit",
         &["identify", "'q' is no parameter", "xA"],
     );
-    refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["no parameter to identify"]);
+    refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["identify", "names no parameter"]);
     refused("tripod-3rps", "length_unit", "pivot = [0.0, 0.0, 10.0]\nlength_unit", &["pivot", "must be absent"]);
     refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is no leg"]);
     refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is no leg"]);

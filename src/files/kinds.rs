@@ -85,7 +85,8 @@ fn tolerances(r: &Reader<'_>, document: &MechanismDocument) -> Result<Option<Tol
     }))
 }
 
-/// The mechanism of a document that is not one of six hardpoints, from these legs and cables.
+/// The mechanism of a document that is not one of six hardpoints, from these legs and cables, in the frames of its
+/// drawing.
 pub(super) fn read(
     r: &Reader<'_>,
     document: &MechanismDocument,
@@ -204,7 +205,20 @@ fn stem(name: &str) -> &str {
     name.trim_end_matches(|c: char| c.is_ascii_digit())
 }
 
-/// The parameters that `identify` asks for, and the frames that the file is mounted in.
+/// The mechanism in the frames of the measurement, if the file states them.
+pub(super) fn mounted(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    drawn: Box<dyn Mechanism>,
+) -> Result<Box<dyn Mechanism>, FileError> {
+    let Some(m) = &document.mounting else { return Ok(drawn) };
+    let pose = |place: &str, p: &[f64; 3], a: &[f64; 3]| Ok(Pose::from_coordinates(&r.six(place, p, a)?));
+    let base = pose("[mounting] base", &m.base_position, &m.base_rotation)?;
+    let target = pose("[mounting] target", &m.target_position, &m.target_rotation)?;
+    Ok(drawn.mounted(&base, &target).unwrap_or(drawn))
+}
+
+/// The parameters that `identify` asks for.
 fn finished(
     r: &Reader<'_>,
     document: &MechanismDocument,
@@ -219,12 +233,11 @@ fn finished(
     }
     let wanted =
         |spec: &ParameterSpec| document.identify.as_ref().is_none_or(|w| w.iter().any(|s| s == stem(&spec.name)));
-    let narrowed = made.narrowed(&wanted).map_err(geometry)?;
-    let Some(m) = &document.mounting else { return Ok(narrowed) };
-    let pose = |place: &str, p: &[f64; 3], a: &[f64; 3]| Ok(Pose::from_coordinates(&r.six(place, p, a)?));
-    let base = pose("[mounting] base", &m.base_position, &m.base_rotation)?;
-    let target = pose("[mounting] target", &m.target_position, &m.target_rotation)?;
-    Ok(narrowed.mounted(&base, &target).unwrap_or(narrowed))
+    let nothing = document.identify.as_ref().is_some_and(Vec::is_empty);
+    if nothing {
+        return Err(r.value("identify", "names no parameter; name some, or delete it to identify all"));
+    }
+    made.narrowed(&wanted).map_err(geometry)
 }
 
 /// One entry of a list of a file.

@@ -13,7 +13,7 @@ use super::writer::number;
 use crate::conditions::Conditions;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
-use crate::pose::PoseConvention;
+use crate::pose::{PoseConvention, RotationOrder};
 use crate::units::{Dimension, Unit};
 
 /// Reads numbers of one file into SI and names what is wrong with them.
@@ -187,10 +187,29 @@ fn other_kind(
         );
     };
     let home = convention.pose(&home);
-    let mechanism = kinds::read(r, document, &document.legs, &document.cables, home)?;
+    let drawn = kinds::read(r, document, &document.legs, &document.cables, home)?;
+    if convention.order != RotationOrder::default() && drawn.controlled() != [true; 6] {
+        let problem = format!("must be \"zyx\" for type \"{kind}\", whose joints control some of these angles only");
+        return Err(r.value("rotation_order", problem));
+    }
+    let moved = home.motion_to(&drawn.home());
+    if moved.amax() > 1e-4 {
+        let (length, turn) = (moved.fixed_rows::<3>(0).norm(), moved.fixed_rows::<3>(3).norm());
+        warned.push(format!(
+            "[home]: the joints do not control all of its coordinates; home lies {:.3} {} and {:.4} {} from there",
+            r.length.from_si(length),
+            r.length.name,
+            r.angle.from_si(turn),
+            r.angle.name
+        ));
+    }
+    let mechanism = kinds::mounted(r, document, drawn)?;
     if mechanism.controlled() != [true; 6] && convention.pivot != Vector3::zeros() {
         let problem = format!("must be absent for type \"{kind}\"; put the origin of the platform frame there");
         return Err(r.value("pivot", problem));
+    }
+    if document.nominal_legs.is_empty() && !document.nominal_cables.is_empty() {
+        return Err(r.value("[[nominal_cable]]", "belongs to [[nominal_leg]]; state both, or neither"));
     }
     let nominal = match document.nominal_legs.is_empty() {
         true => None,

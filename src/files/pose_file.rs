@@ -30,19 +30,28 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };
+    let controlled = machine.mechanism.controlled();
     let mut columns = Vec::new();
     for (k, name) in POSE_NAMES.iter().enumerate().take(coordinates) {
-        columns.push(find(Meaning::Pose(k)).ok_or_else(|| FileError::Header {
-            path: path.into(),
-            problem: format!("a list of poses needs a column '{name}_…' ({})", pose_dimension(k).choices()),
-        })?);
+        let column = find(Meaning::Pose(k));
+        if column.is_none() && controlled[k] {
+            return Err(FileError::Header {
+                path: path.into(),
+                problem: format!("a list of poses needs a column '{name}_…' ({})", pose_dimension(k).choices()),
+            });
+        }
+        columns.push(column);
     }
+    // What the joints do not control need not be stated; it is as at home.
+    let home = machine.convention.coordinates(&machine.mechanism.home());
     let id = find(Meaning::Id);
     let mut poses = Vec::with_capacity(table.rows.len());
     for row in 0..table.rows.len() {
-        let mut q = [0.0; 6];
+        let mut q = home;
         for (k, column) in columns.iter().enumerate() {
-            q[k] = table.required(row, *column)?;
+            if let Some(column) = column {
+                q[k] = table.required(row, *column)?;
+            }
         }
         if let Some(columns) = &quaternion {
             let empty = || table.cell_error(row, columns[0], "must not be empty; fill it in or delete the row");

@@ -3,34 +3,51 @@
 //! The pose of `m > 6` equations is that of least squares, and `m - 6` combinations of the closure residual remain:
 //! `Nᵀ f` with `N` orthogonal to the columns of `J₁`. With exact joints they would be zero; with joint readings of
 //! covariance `Σ_j` they have covariance `(Nᵀ J_j) Σ_j (Nᵀ J_j)ᵀ` and are rows of the identification like those of the
-//! pose, with which they are correlated. Together the two lose nothing of the closure residual.
+//! pose, with which they are correlated. Together the two lose nothing of the closure residual to first order.
+//!
+//! Combinations that no joint enters (structural constraints stated twice) say nothing and are left out.
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::Conditions;
 use crate::measurement::Sample;
 use crate::mechanism::{Linearization, Mechanism};
 use crate::pose::Pose;
 
+/// A combination that joints enter by less than this part of their largest effect is structural.
+const SEEN: f64 = 1e-9;
+
 /// The remaining combinations of each sample.
 pub(super) struct Redundancy {
-    /// `N` (m × (m - 6)) of each sample at the start.
+    /// `N` (m × rows) of each sample at the start.
     bases: Vec<DMatrix<f64>>,
     work: Linearization,
-    /// `Nᵀ f` (m - 6) of the last evaluation.
+    /// `Nᵀ f` of the last evaluation.
     pub(super) residual: DVector<f64>,
-    /// `Nᵀ J₂` ((m - 6) × L).
+    /// `Nᵀ J₂` (rows × L).
     pub(super) parameters: DMatrix<f64>,
-    /// `Nᵀ J_j` ((m - 6) × n).
+    /// `Nᵀ J_j` (rows × n).
     pub(super) joints: DMatrix<f64>,
 }
 
 impl Redundancy {
     /// For a mechanism whose joints are read with noise; `None` if it has six equations or exact joints.
     pub(super) fn of(mechanism: &dyn Mechanism, joint_noise: f64) -> Option<Self> {
-        let extra = mechanism.equations().checked_sub(6).filter(|extra| *extra > 0 && joint_noise > 0.0)?;
+        if mechanism.equations() <= 6 || !(joint_noise > 0.0) {
+            return None;
+        }
+        let (c, home, at) = (mechanism.values(), mechanism.home(), Conditions::unknown());
+        let mut work = Linearization::sized_for(mechanism);
+        mechanism.linearize(c, &mechanism.inverse(c, &home, &at).ok()?, &home, &at, &mut work);
+        let n = complement(&work.motion);
+        let values = n.tr_mul(&work.joints).singular_values();
+        let extra = values.iter().filter(|v| **v > SEEN * work.joints.norm()).count();
+        if extra == 0 {
+            return None;
+        }
         Some(Self {
             bases: Vec::new(),
-            work: Linearization::sized_for(mechanism),
+            work,
             residual: DVector::zeros(extra),
             parameters: DMatrix::zeros(extra, mechanism.parameters().len()),
             joints: DMatrix::zeros(extra, mechanism.joints().len()),
@@ -45,20 +62,29 @@ impl Redundancy {
     /// Evaluates the rows of the `k`-th sample at its pose. Samples are first evaluated in order.
     pub(super) fn evaluate(&mut self, mechanism: &dyn Mechanism, c: &[f64], k: usize, sample: &Sample, pose: &Pose) {
         mechanism.linearize(c, &sample.joints, pose, &sample.conditions, &mut self.work);
-        let (m, extra) = (self.work.motion.nrows(), self.rows());
-        let qr = self.work.motion.clone().qr();
         if self.bases.len() == k {
-            // Q applied to the last unit vectors: the transpose is at hand, so its inverse is taken row by row.
-            let mut transposed = DMatrix::identity(m, m);
-            qr.q_tr_mul(&mut transposed);
-            self.bases.push(transposed.rows(6, extra).transpose());
+            let n = complement(&self.work.motion);
+            // Of these the combinations that joints enter most.
+            let svd = n.tr_mul(&self.work.joints).svd(true, false);
+            self.bases.push(match svd.u {
+                Some(u) => n * u.columns(0, self.rows()),
+                None => n.columns(0, self.rows()).into_owned(),
+            });
         }
+        let q = self.work.motion.clone().qr().q();
         // The directions of the start, projected: so that they mean the same from one iteration to the next.
-        let q = qr.q();
         let start = &self.bases[k];
         let n = start - &q * (q.transpose() * start);
         self.residual.copy_from(&n.tr_mul(&self.work.residual));
         self.parameters.copy_from(&n.tr_mul(&self.work.parameters));
         self.joints.copy_from(&n.tr_mul(&self.work.joints));
     }
+}
+
+/// Orthonormal columns (m × (m - 6)) orthogonal to those of `J₁` (m × 6).
+fn complement(motion: &DMatrix<f64>) -> DMatrix<f64> {
+    let m = motion.nrows();
+    let mut transposed = DMatrix::identity(m, m);
+    motion.clone().qr().q_tr_mul(&mut transposed);
+    transposed.rows(6, m - 6).transpose()
 }

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 use super::IdentifyError;
 use super::problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
-use crate::mechanism::{Mechanism, characteristic_length};
+use crate::mechanism::{Mechanism, characteristic_length, motion_of_point};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares};
 use crate::units::Dimension;
@@ -52,10 +52,14 @@ enum Free {
 const TOLERANCES: f64 = 10.0;
 /// The same for a mechanism without tolerances, as a part of its size.
 const PART_OF_SIZE: f64 = 0.02;
+/// Misfits up to this many times what the tolerances cause need none either.
+const SPREADS: f64 = 3.0;
 const FEWEST: usize = 3;
 /// Samples farther out than this many medians count less.
 const FAR: f64 = 3.0;
 const ROUNDS: usize = 4;
+/// Weight of the rows that hold the target where its start is: nothing where the data say anything of it.
+const HELD: f64 = 1e-4;
 /// How much farther away the tracker is than the target, where the data cannot tell.
 const TRACKER: f64 = 100.0;
 
@@ -80,6 +84,8 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         .filter_map(|s| s.tolerance)
         .fold(0.0, f64::max);
     let near = if tolerance > 0.0 { (TOLERANCES * tolerance).min(PART_OF_SIZE * size) } else { PART_OF_SIZE * size };
+    // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
+    let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
     let target = data.model().target_frame();
     let before = misfit(&pairs, &Frames::default(), size);
     // Points at unknown places have no meaning in the platform frame until their places are found.
@@ -127,6 +133,22 @@ fn pairs(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pair>, Identif
         pairs.retain(|p| p.rotation.is_some());
     }
     Ok(pairs)
+}
+
+/// Median over the samples of the size of [`residual`] that parameters as uncertain as their tolerances cause.
+fn spread_by_tolerance(mechanism: &dyn Mechanism, pairs: &[Pair], size: f64) -> f64 {
+    let spread = |pair: &Pair| {
+        let moved = motion_of_point(mechanism, &pair.nominal, &pair.place).ok()?;
+        let columns = mechanism.parameters().iter().zip(moved.column_iter());
+        let squares = columns.map(|(spec, c)| {
+            let c = c.rows(0, 3).norm_squared() + c.rows(3, 3).norm_squared() * size * size;
+            c * spec.tolerance.unwrap_or(0.0).powi(2)
+        });
+        Some(squares.sum::<f64>().sqrt())
+    };
+    let mut spreads: Vec<f64> = pairs.iter().filter_map(spread).collect();
+    spreads.sort_by(f64::total_cmp);
+    spreads.get(spreads.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Median over the samples of the length of [`residual`].
@@ -230,13 +252,15 @@ impl Refinement<'_> {
     fn residuals(&self, x: &DVector<f64>) -> DVector<f64> {
         let frames = self.frames(x);
         let all = self.pairs.iter().zip(&self.weights).map(|(p, w)| residual(p, &frames, self.size) * *w);
-        DVector::from_iterator(6 * self.pairs.len(), all.flat_map(|r| [r[0], r[1], r[2], r[3], r[4], r[5]]))
+        let held = (frames.target.position - self.start.target.position) * HELD;
+        let rows = all.flat_map(|r| [r[0], r[1], r[2], r[3], r[4], r[5]]).chain([held.x, held.y, held.z]);
+        DVector::from_iterator(6 * self.pairs.len() + 3, rows)
     }
 }
 
 impl LeastSquaresProblem for Refinement<'_> {
     fn shape(&self) -> (usize, usize) {
-        (6 * self.pairs.len(), self.free.len())
+        (6 * self.pairs.len() + 3, self.free.len())
     }
 
     fn linearize(

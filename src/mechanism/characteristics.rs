@@ -64,10 +64,10 @@ pub fn rigid_directions<M: Mechanism + ?Sized>(mechanism: &M, body: Body, scale:
 /// Mean distance of the platform points from their centroid, m: the arm by which an angle becomes a length.
 /// Mechanisms without platform points count as one metre.
 pub fn characteristic_length<M: Mechanism + ?Sized>(mechanism: &M) -> f64 {
-    let points = Body::Platform.points(mechanism, mechanism.values());
+    let points = mechanism.platform_points();
     let n = points.len().max(1) as f64;
-    let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / n;
-    let mean = points.iter().map(|(_, p)| (p - centre).norm()).sum::<f64>() / n;
+    let centre = points.iter().sum::<Vector3<f64>>() / n;
+    let mean = points.iter().map(|p| (p - centre).norm()).sum::<f64>() / n;
     if mean > 0.0 { mean } else { 1.0 }
 }
 

@@ -142,13 +142,15 @@ pub enum KinematicsError {
     },
     /// The loops do not close.
     #[error(
-        "no joints close the loops at this pose on the branch of home (the best attempt misses by {residual:.1e} m); \
-         take a pose nearer to home"
+        "no joints close the loops at this pose (the best attempt misses by {residual:.1e} m); take a pose nearer to home"
     )]
     NoRoot {
         /// Largest closure residual of the best attempt, m.
         residual: f64,
     },
+    /// The loops close only beyond a dead point of a joint.
+    #[error("the loops close at this pose only on another branch than that of home; take a pose nearer to home")]
+    OtherBranch,
     /// Wrong number of joints.
     #[error("expected {expected} joint coordinates, found {found}")]
     JointCount {

@@ -34,7 +34,7 @@ mod workspace;
 use std::any::Any;
 use std::fmt::Debug;
 
-use nalgebra::{DMatrix, DVector, Matrix6xX};
+use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
 
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 pub use error::{GeometryError, KinematicsError};
@@ -91,6 +91,12 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// platform are made of their points alone.
     fn mounted(&self, _base: &Pose, _target: &Pose) -> Option<Box<dyn Mechanism>> {
         None
+    }
+
+    /// Where the legs meet the platform, platform frame, m: the size by which angles and lengths are compared. Those of the
+    /// parameters, unless points are known that are not identified.
+    fn platform_points(&self) -> Vec<Vector3<f64>> {
+        Body::Platform.points(self, self.values()).into_iter().map(|(_, point)| point).collect()
     }
 
     /// The closure residual and its three Jacobians at a pose, in one pass.

@@ -132,7 +132,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
     json!({
         "name": i.mechanism.name(),
         "parameters": i.mechanism.parameters().len(),
-        "legs": (0..i.home_joints.len()).map(leg).collect::<Vec<_>>(),
+        "legs": (0..i.legs()).map(leg).collect::<Vec<_>>(),
         "home": i.convention.coordinates(&i.mechanism.home()),
         "joints": i.mechanism.joints().iter().map(|j| j.name.clone()).collect::<Vec<_>>(),
         "joint_units": i.mechanism.joints().iter().map(|j| j.dimension.si()).collect::<Vec<_>>(),

@@ -91,10 +91,10 @@ impl<'a> Campaign<'a> {
             size: characteristic_length(mechanism),
             side: 0.0,
         };
-        if let Ok((_, at_home)) = campaign.linearize(&mechanism.home()) {
-            if at_home.motion.nrows() == 6 {
-                campaign.side = at_home.motion.determinant().signum();
-            }
+        if let Ok((_, at_home)) = campaign.linearize(&mechanism.home())
+            && at_home.motion.nrows() == 6
+        {
+            campaign.side = at_home.motion.determinant().signum();
         }
         Ok(campaign)
     }

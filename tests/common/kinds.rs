@@ -111,9 +111,9 @@ pub struct Hardpoint {
 
 impl Closure for Hardpoint {
     fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
-        for leg in 0..6 {
+        for (leg, row) in out.iter_mut().enumerate() {
             let l = s.place(&s.point(7 * leg)) - s.point(7 * leg + 4);
-            out[leg] = length(&l) - s.joints[leg] - s.parameters[7 * leg + 3] + self.lengths[leg];
+            *row = length(&l) - s.joints[leg] - s.parameters[7 * leg + 3] + self.lengths[leg];
         }
     }
 

@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use anyhow::{Context, Result, bail};
 use paracal::conditions::Conditions;
 use paracal::files::{ListedPose, Outputs, read_poses};
+use paracal::mechanism::settled;
+use paracal::pose::Pose;
 use paracal::units::Dimension;
 use serde_json::json;
 
@@ -33,10 +35,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let poses = read_poses(&args.poses, &machine)?;
     let at = Conditions::unknown();
     let mut lengths = Vec::with_capacity(poses.len());
-    let mut outside = Vec::new();
+    let (mut poses_taken, mut outside) = (Vec::with_capacity(poses.len()), Vec::new());
     for (row, listed) in poses.iter().enumerate() {
-        let joints = mechanism
-            .inverse(mechanism.values(), &listed.pose, &at)
+        // A mechanism of lower mobility takes the pose as far as its joints control it.
+        let (taken, joints) = settled(mechanism, mechanism.values(), &listed.pose, &at)
             .with_context(|| format!("{}: data row {row}", args.poses.display()))?;
         if joints.iter().any(|v| !v.is_finite()) {
             bail!("{}: data row {row}: the pose is too far for any leg; correct the row", args.poses.display());
@@ -54,13 +56,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             }
         }
         lengths.push(joints);
+        poses_taken.push(taken);
     }
-    let row = |(listed, joints): (&ListedPose, &Vec<f64>)| JointsAndPose {
+    let row = |((listed, taken), joints): ((&ListedPose, &Pose), &Vec<f64>)| JointsAndPose {
         id: listed.id.clone(),
         joints: joints.clone(),
-        pose: machine.convention.coordinates(&listed.pose),
+        pose: machine.convention.coordinates(taken),
     };
-    let rows: Vec<JointsAndPose> = poses.iter().zip(&lengths).map(row).collect();
+    let rows: Vec<JointsAndPose> = poses.iter().zip(&poses_taken).zip(&lengths).map(row).collect();
     let noun = joint_noun(mechanism);
     let comment = format!("{noun} to command for {}", mechanism.name());
     outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;

@@ -8,7 +8,7 @@ use paracal::conditions::Conditions;
 use paracal::files::Machine;
 use paracal::identification::{DataSpectrum, WeakDirection, weak_directions};
 use paracal::measurement::Noise;
-use paracal::mechanism::{Body, Mechanism, ParameterRole, ParameterSpec, Survey, characteristic_length, condition};
+use paracal::mechanism::{Body, Mechanism, Survey, characteristic_length, condition};
 use paracal::report::{json, text};
 use paracal::selection::{Prospect, prospect};
 use paracal::units::Dimension;
@@ -59,12 +59,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             None
         }
     };
-    let seen = text::Inspection {
+    let mut seen = text::Inspection {
         mechanism,
         convention: &machine.convention,
         platform: Body::Platform.points(mechanism, c),
         base: Body::Base.points(mechanism, c),
-        lengths: lengths(mechanism),
+        lengths: Vec::new(),
         home_joints: joints.clone(),
         radius: characteristic_length(mechanism),
         home_condition: condition(mechanism, c, &joints, &mechanism.home(), &at),
@@ -73,6 +73,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         prospect: outlook,
         warnings,
     };
+    seen.lengths = lengths(mechanism, seen.legs(), &seen.home_joints);
     let mut shown = json::inspection(&seen);
     shown["joints"] = machine.joint_names().into();
     let mut report = text::inspection(&seen);
@@ -84,11 +85,23 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Nominal lengths of the legs.
-fn lengths(mechanism: &dyn Mechanism) -> Vec<f64> {
-    let is_length =
-        |s: &&ParameterSpec| matches!(s.role, ParameterRole::JointOffset { .. }) && s.dimension == Dimension::Length;
-    mechanism.parameters().iter().filter(is_length).map(|s| s.nominal).collect()
+/// Lengths of the legs: nominal ones, those of rods, or of joints that are legs; NaN where there is none.
+fn lengths(mechanism: &dyn Mechanism, legs: usize, home_joints: &[f64]) -> Vec<f64> {
+    let named = |stem: &str, leg: usize| {
+        let name = format!("{stem}{}", leg + 1);
+        let found = mechanism.parameters().iter().zip(mechanism.values()).find(|(s, _)| s.name == name);
+        found.filter(|(s, _)| s.dimension == Dimension::Length)
+    };
+    let of_joint = |leg: usize| {
+        let own = legs == home_joints.len() && mechanism.joints()[leg].dimension == Dimension::Length;
+        if own { home_joints[leg] } else { f64::NAN }
+    };
+    let length = |leg: usize| match (named("h", leg), named("s", leg)) {
+        (Some((spec, _)), _) => spec.nominal,
+        (None, Some((_, value))) => *value,
+        (None, None) => of_joint(leg),
+    };
+    (0..legs).map(length).collect()
 }
 
 fn look_ahead(

@@ -287,9 +287,9 @@ fn requirement(text: &str) -> Result<Requirement> {
 
 /// The joints to command for each pose.
 fn commands(machine: &Machine, report: &Report, given: usize) -> Result<Vec<JointsAndPose>> {
-    let commander = machine.commander();
+    let mechanism = machine.mechanism.as_ref();
     let row = |(k, pose): (usize, &Pose)| {
-        let joints = commander.inverse(commander.values(), pose, &paracal::conditions::Conditions::unknown())?;
+        let joints = mechanism.inverse(mechanism.values(), pose, &paracal::conditions::Conditions::unknown())?;
         let label = if k < given { format!("given{}", k + 1) } else { format!("new{}", k + 1 - given) };
         let id = (given > 0).then_some(label);
         Ok(JointsAndPose { id, joints, pose: machine.convention.coordinates(pose) })

@@ -38,8 +38,9 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Draw a normal error of this standard deviation for every parameter: angles get it divided by the mean radius of the
-    /// platform points, other parameters that are no lengths their tolerance, if it is stated.
-    #[arg(long, value_name = "LENGTH", conflicts_with = "errors")]
+    /// platform points, other parameters that are no lengths their tolerance, if it is stated. Or `tolerance`: every
+    /// parameter its own.
+    #[arg(long, value_name = "LENGTH|tolerance", conflicts_with = "errors")]
     error_sd: Option<String>,
     /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm; for other mechanisms their own parameters, such
     /// as o_deg.
@@ -78,7 +79,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             Err(cause) => Err(anyhow!("--{option}: {cause}")),
         },
     };
-    let error_sd = quantity("error-sd", &args.error_sd, Dimension::Length)?;
+    // `None` within draws by the tolerances.
+    let error_sd = match args.error_sd.as_deref() {
+        Some("tolerance") => Some(None),
+        _ => quantity("error-sd", &args.error_sd, Dimension::Length)?.map(Some),
+    };
     let position = quantity("noise-position", &args.noise_position, Dimension::Length)?;
     let rotation = quantity("noise-rotation", &args.noise_rotation, Dimension::Angle)?;
     let machine = ui.machine(&args.mechanism)?;
@@ -97,7 +102,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             let errors = read_parameter_errors(path, mechanism)?;
             mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect()
         }
-        (None, Some(sd)) => draw_parameters(mechanism, Some(sd), &mut rng),
+        (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
+            return Err(anyhow!(
+                "{}: --error-sd tolerance: state [tolerance], or name a length",
+                args.mechanism.display()
+            ));
+        }
+        (None, Some(sd)) => draw_parameters(mechanism, sd, &mut rng),
         (None, None) => mechanism.values().to_vec(),
     };
     let truth = mechanism.with_values(&values, mechanism.home())?;

@@ -30,6 +30,8 @@ pub(super) struct Derivatives {
     /// Along identified parameters, then joints.
     pub(super) columns: DMatrix<f64>,
     pub(super) passive: DMatrix<f64>,
+    /// `columns` of all rows, kept where passive coordinates were eliminated from the others.
+    pub(super) unreduced: Option<DMatrix<f64>>,
 }
 
 /// Which derivatives are wanted.
@@ -96,6 +98,7 @@ pub(super) fn derivatives<C: Closure>(
         motion: DMatrix::zeros(equations, plan.motions),
         columns: DMatrix::zeros(equations, columns),
         passive: DMatrix::zeros(equations, plan.passives),
+        unreduced: None,
     };
     let mut work = Work::new(place, equations);
     for pass in 0..plan.passes() {

@@ -140,12 +140,15 @@ fn step(
     if !(residual <= CLOSED * size) {
         return Err(KinematicsError::NoRoot { residual });
     }
+    let (found, pose) = problem.split(&solution.x);
     // Where a joint's effect on the loops turned round, its way led past a dead point to another branch.
-    let before = rows.rows(&from.joints, &from.pose).columns;
-    let turned = |k: usize| before.column(k).dot(&solution.jacobian.column(k)) <= 0.0;
-    if (0..joints).any(turned) {
-        return Err(KinematicsError::NoRoot { residual });
+    let effect = |joints: &[f64], pose: &Pose| {
+        let d = rows.rows(joints, pose);
+        d.unreduced.unwrap_or(d.columns)
+    };
+    let (before, after) = (effect(&from.joints, &from.pose), effect(&found, &pose));
+    if (0..joints).any(|k| before.column(k).dot(&after.column(k)) <= 0.0) {
+        return Err(KinematicsError::OtherBranch);
     }
-    let (joints, pose) = problem.split(&solution.x);
-    Ok(Root { pose, joints })
+    Ok(Root { pose, joints: found })
 }

@@ -36,9 +36,9 @@ impl Lanes {
 
     #[inline(always)]
     fn zip(self, other: &Self, re: f64, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut eps = [0.0; LANES];
-        for k in 0..LANES {
-            eps[k] = f(self.eps[k], other.eps[k]);
+        let mut eps = self.eps;
+        for (a, b) in eps.iter_mut().zip(&other.eps) {
+            *a = f(*a, *b);
         }
         Self { re, eps }
     }
@@ -439,7 +439,7 @@ mod tests {
         let theirs = |re: f64, lane: usize| DualSVec64::<8>::from_re(re).derivative(lane);
         let (a, b) = (everything(ours(0.7, 0), ours(0.4, 5)), everything(theirs(0.7, 0), theirs(0.4, 5)));
         for (k, (a, b)) in a.iter().zip(&b).enumerate() {
-            let eps = b.eps.clone().unwrap_generic(nalgebra::Const::<8>, nalgebra::U1);
+            let eps = b.eps.unwrap_generic(nalgebra::Const::<8>, nalgebra::U1);
             assert!((a.re - b.re).abs() < 1e-14, "function {k}: {a} {b}");
             (0..8).for_each(|lane| assert!((a.eps[lane] - eps[lane]).abs() < 1e-13, "function {k}: {a} {b}"));
         }

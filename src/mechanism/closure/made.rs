@@ -1,8 +1,9 @@
 //! The mechanism that a closure makes.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
-use nalgebra::{Matrix3, Matrix6, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 use super::evaluation::{Derivatives, Place, Wanted, derivatives};
 use super::inverse::{Root, Rows, root};
@@ -11,7 +12,7 @@ use super::pattern::Pattern;
 use super::{Closure, Outline};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
+    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole, ParameterSpec,
     characteristic_length, condition, forward_by_rows, motion_block_by_closure,
 };
 use crate::pose::Pose;
@@ -20,6 +21,8 @@ use crate::pose::Pose;
 const WORST_CONDITION: f64 = 1e7;
 /// One over the product of the sizes of `J₁` and its inverse, below which a pose is singular.
 const SINGULAR: f64 = 1e-13;
+/// Rounds in which the attitude that the platform takes is found.
+const SERVING_ROUNDS: usize = 20;
 
 /// A [`Mechanism`] whose closure is a [`Closure`].
 ///
@@ -182,6 +185,30 @@ impl<C: Closure> ClosureMechanism<C> {
         }
     }
 
+    /// The mechanism's own pose whose controlled coordinates serve a pose as it is measured. Where the joints do not control
+    /// the attitude, the platform will take another one than was asked for, and a target beside its origin another place:
+    /// the position that is asked for is met with the attitude that will be taken.
+    fn served(&self, all: &[f64], pose: &Pose, at: &Conditions) -> Result<Pose, KinematicsError> {
+        let mut inner = self.inner(pose);
+        let free = (3..6).any(|k| !self.outline.controlled[k]);
+        if self.mounting.is_none() || !free {
+            return Ok(inner);
+        }
+        for _ in 0..SERVING_ROUNDS {
+            let taken = self.root_at(all, &inner, at)?.pose;
+            let (mut q, found) = (inner.coordinates(), taken.coordinates());
+            (3..6).filter(|k| !self.outline.controlled[*k]).for_each(|k| q[k] = found[k]);
+            let attitude = self.outer(&Pose::from_coordinates(&q)).rotation;
+            let next = self.inner(&Pose { position: pose.position, rotation: attitude });
+            let settled = inner.motion_to(&next).amax() < 1e-13 * self.size.max(1.0);
+            inner = next;
+            if settled {
+                break;
+            }
+        }
+        Ok(inner)
+    }
+
     /// Small motion of the platform in its own frames per small motion as it is measured.
     fn inner_motion(&self, pose: &Pose, inner: &Pose) -> Option<Matrix6<f64>> {
         let (base, _) = self.mounting.as_ref()?;
@@ -335,6 +362,16 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         self.outline.controlled
     }
 
+    fn platform_points(&self) -> Vec<Vector3<f64>> {
+        let mut points: BTreeMap<usize, Vector3<f64>> = BTreeMap::new();
+        for (spec, value) in self.outline.parameters.iter().zip(&self.all) {
+            if let ParameterRole::PlatformPoint { leg, axis } = spec.role {
+                points.entry(leg).or_insert_with(Vector3::zeros)[axis.index()] = *value;
+            }
+        }
+        points.into_values().collect()
+    }
+
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
         let mut other = self.clone();
         let (old_base, old_target) = self.mounting.unwrap_or((Pose::identity(), Pose::identity()));
@@ -397,7 +434,8 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         if !pose.is_finite() {
             return Err(KinematicsError::NotFinite { what: "the pose".into() });
         }
-        Ok(self.root_at(&self.with_parameters(c), &self.inner(pose), at)?.joints)
+        let all = self.with_parameters(c);
+        Ok(self.root_at(&all, &self.served(&all, pose, at)?, at)?.joints)
     }
 
     fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError> {

@@ -36,20 +36,27 @@ pub(super) fn solved<C: Closure>(
 
 /// The rows that do not depend on the passive coordinates: the part of `g` and its derivatives orthogonal to the
 /// columns of `∂g/∂z`.
+///
+/// The basis of that part turns from place to place. The sign of its first row is chosen so that the determinant of `J₁`
+/// has that of `[∂g/∂q ∂g/∂z]`, up to a constant sign: it changes at singularities only.
 pub(super) fn eliminated(mut d: Derivatives) -> Derivatives {
     let (m, p) = d.passive.shape();
     if p == 0 {
         return d;
     }
     let qr = std::mem::replace(&mut d.passive, DMatrix::zeros(m - p, 0)).qr();
+    let sign: f64 = qr.r().diagonal().iter().map(|v| v.signum()).product();
     let rest = |matrix: &DMatrix<f64>| {
         let mut rotated = matrix.clone();
         qr.q_tr_mul(&mut rotated);
-        rotated.rows(p, m - p).into_owned()
+        let mut rest = rotated.rows(p, m - p).into_owned();
+        rest.row_mut(0).scale_mut(sign);
+        rest
     };
     let residual = rest(&DMatrix::from_column_slice(m, 1, d.residual.as_slice()));
     d.residual = DVector::from_column_slice(residual.as_slice());
     d.motion = rest(&d.motion);
-    d.columns = rest(&d.columns);
+    let reduced = rest(&d.columns);
+    d.unreduced = Some(std::mem::replace(&mut d.columns, reduced));
     d
 }

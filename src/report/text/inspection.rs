@@ -19,7 +19,7 @@ pub struct Inspection<'a> {
     pub platform: Vec<(usize, Vector3<f64>)>,
     /// Base points by leg, base frame, m.
     pub base: Vec<(usize, Vector3<f64>)>,
-    /// Lengths of the legs as the file states them, m.
+    /// Lengths of the legs as the file states them, m; NaN where it states none.
     pub lengths: Vec<f64>,
     /// Joints at home.
     pub home_joints: Vec<f64>,
@@ -37,6 +37,14 @@ pub struct Inspection<'a> {
     pub warnings: Vec<String>,
 }
 
+impl Inspection<'_> {
+    /// Number of legs: of pairs of points, or of joints where there are none.
+    pub fn legs(&self) -> usize {
+        let most = self.platform.iter().chain(&self.base).map(|(leg, _)| leg + 1).max();
+        most.unwrap_or(self.home_joints.len())
+    }
+}
+
 /// What `inspect` prints.
 pub fn inspection(i: &Inspection<'_>) -> String {
     let mm = |v: f64| fixed(1e3 * v, 3);
@@ -48,7 +56,11 @@ pub fn inspection(i: &Inspection<'_>) -> String {
     };
     // Points are lengths; joints need not be, and say so then.
     let lengths = i.mechanism.joints().iter().all(|j| j.dimension == Dimension::Length);
-    let mut header = vec!["joint", "platform point", "base point", "home"];
+    // Several rods on a carriage, or a cable along several segments: points and joints are listed apart.
+    let legs = i.legs();
+    let together = legs == i.home_joints.len();
+    let mut header =
+        if together { vec!["joint", "platform point", "base point", "home"] } else { vec!["joint", "home"] };
     if i.survey.is_some() {
         header.push("over the workspace");
     }
@@ -56,19 +68,23 @@ pub fn inspection(i: &Inspection<'_>) -> String {
         let (unit, per_si) = joint.dimension.in_tables();
         let unit = if lengths { String::new() } else { format!(" {unit}") };
         let shown = |v: f64| fixed(per_si * v, 3);
-        let mut cells = vec![joint.name.clone(), point(&i.platform, k), point(&i.base, k)];
+        let mut cells = vec![joint.name.clone()];
+        if together {
+            cells.extend([point(&i.platform, k), point(&i.base, k)]);
+        }
         cells.push(format!("{}{unit}", shown(i.home_joints[k])));
         let range = |[from, to]: [f64; 2]| format!("{} {}{unit}", shown(from), shown(to));
         cells.extend(i.survey.as_ref().map(|s| range(s.joint_range[k])));
         cells
     };
     let rows: Vec<Vec<String>> = i.mechanism.joints().iter().enumerate().map(row).collect();
-    let mut text = format!(
-        "{}: {} parameters\n\nmm\n{}",
-        i.mechanism.name(),
-        i.mechanism.parameters().len(),
-        table(&header, &rows)
-    );
+    let mut text = format!("{}: {} parameters\n\nmm\n", i.mechanism.name(), i.mechanism.parameters().len());
+    if !together {
+        let row = |k: usize| vec![(k + 1).to_string(), point(&i.platform, k), point(&i.base, k)];
+        text += &table(&["leg", "platform point", "base point"], &(0..legs).map(row).collect::<Vec<_>>());
+        text.push('\n');
+    }
+    text += &table(&header, &rows);
     let q = i.convention.coordinates(&i.mechanism.home());
     text += &format!(
         "\nHome: x {} y {} z {} mm, rx {} ry {} rz {} deg\n",
