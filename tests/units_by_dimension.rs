@@ -129,7 +129,7 @@ fn parameter_errors_are_columns_in_the_unit_of_the_parameter() {
     let file = folder.path().join("e.csv");
     let read = |text: &str| {
         std::fs::write(&file, text).unwrap();
-        read_parameter_errors(&file, &m)
+        read_parameter_errors(&file, &m).map_err(Box::new)
     };
     let errors = read("leg,xA_mm,s_um,o_deg\n3,1,20,0.5\n1,0,0,-1\n").unwrap();
     let set: Vec<(usize, f64)> = errors.iter().copied().enumerate().filter(|(_, e)| *e != 0.0).collect();

@@ -416,7 +416,7 @@ fn data_columns_may_be_named_after_the_joints() {
     let pose = "x_m,y_m,z_m,rx_rad,ry_rad,rz_rad";
     let read = |header: &str, row: &str| {
         let folder = folder_with(&[("d.csv", &format!("{header},{pose}\n{row},0,0,0.7,0,0,0\n"))]);
-        read_measurement(folder.path().join("d.csv"), &machine)
+        read_measurement(folder.path().join("d.csv"), &machine).map_err(Box::new)
     };
     let named = e.joint.iter().map(|j| format!("{j}_mm")).collect::<Vec<_>>().join(",");
     let found = read(&named, "1,2,3,4,5,6").unwrap();
