@@ -75,7 +75,7 @@ pub enum GeometryError {
     Home(KinematicsError),
     /// The loops of a closure-defined mechanism do not close at home.
     #[error("the loops do not close at home: {0}; correct home or the dimensions")]
-    ClosureAtHome(KinematicsError),
+    ClosureAtHome(Box<KinematicsError>),
     /// An outline that contradicts itself.
     #[error("{0}")]
     Outline(String),

@@ -140,7 +140,9 @@ impl<C: Closure> ClosureMechanism<C> {
 
     /// Moves home to the root at which its controlled coordinates are those of `pose` (the mechanism's own frames).
     fn settle_home(&mut self, pose: &Pose) -> Result<(), GeometryError> {
-        self.home = self.root_at(&self.all, pose, &Conditions::unknown()).map_err(GeometryError::ClosureAtHome)?;
+        self.home = self
+            .root_at(&self.all, pose, &Conditions::unknown())
+            .map_err(|e| GeometryError::ClosureAtHome(Box::new(e)))?;
         self.outer_home = self.outer(&self.home.pose);
         Ok(())
     }
