@@ -16,7 +16,7 @@ use super::{
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Body, Mechanism, Workspace};
 use crate::observability::PredictedError;
-use crate::pose::PoseConvention;
+use crate::pose::{Pose, PoseConvention};
 
 /// What is asked of a calibration.
 #[derive(Clone, Debug)]
@@ -80,6 +80,10 @@ pub struct Calibration {
 }
 
 const PREDICTED_POSES: usize = 200;
+/// Rounds of finding frames and parameters in turn.
+const FRAME_ROUNDS: usize = 8;
+/// A misfit as likely as this needs no better frames.
+const FITS: f64 = 1e-3;
 
 /// Calibrates `mechanism` with `data`.
 ///
@@ -92,17 +96,17 @@ pub fn calibrate(
     identifier: &dyn Identifier,
     options: &CalibrationOptions,
 ) -> Result<Calibration, IdentifyError> {
-    let registration = register(mechanism, data)?;
-    let frames = registration.frames;
-    let aligned = data.with_frames(frames);
-    let convention = if frames.is_identity() { Convention::Stated } else { Convention::Free };
-    let mut task =
-        Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
     let identify = |task: &Task<'_>| match identifier.identify(task) {
         Ok(found) => Ok((found, true)),
         Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
         Err(error) => Err(error),
     };
+    let registration = settled_registration(mechanism, data, options, &identify)?;
+    let frames = registration.frames;
+    let aligned = data.with_frames(frames);
+    let convention = if frames.is_identity() { Convention::Stated } else { Convention::Free };
+    let mut task =
+        Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
     let (mut found, mut converged) = identify(&task)?;
     if found.prior && convention == Convention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
         // The tracker or the target is a little off: too little to be registered, too much for the tolerances.
@@ -159,6 +163,39 @@ pub fn calibrate(
         registration,
     };
     Ok(with_warnings(result, data, &options.holdout))
+}
+
+/// Frames found with the drawing and, while the data do not fit, again with the mechanism that was identified in them. A
+/// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause.
+fn settled_registration(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    options: &CalibrationOptions,
+    identify: &dyn Fn(&Task<'_>) -> Result<(Identification, bool), IdentifyError>,
+) -> Result<Registration, IdentifyError> {
+    let mut best = register(mechanism, data)?;
+    let mut least = f64::INFINITY;
+    let mut tried = best;
+    for _ in 0..FRAME_ROUNDS {
+        // A mechanism that carries its points takes the frames up in them.
+        if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
+            break;
+        }
+        let aligned = data.with_frames(tried.frames);
+        let (prior, weights, convention) = (options.prior, options.weights, Convention::Free);
+        let (found, _) = identify(&Task { prior, weights, convention, ..Task::new(mechanism, &aligned) })?;
+        let misfit = found.misfit.chi_square;
+        if !(misfit < least) {
+            break;
+        }
+        (best, least) = (tried, misfit);
+        if found.misfit.p_value().is_none_or(|p| p > FITS) {
+            break;
+        }
+        let fitted = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
+        tried = register(fitted.as_ref(), data)?;
+    }
+    Ok(best)
 }
 
 /// Parameters and covariance in the frames of the measurement: `b' = B b`, `a' = A⁻¹ a`.

@@ -65,7 +65,7 @@ use crate::conditions::Conditions;
 /// A scalar that a closure computes with: `f64`, or a dual number that carries derivatives.
 ///
 /// Arithmetic with `f64` on the right, `T::from(1.0)`, `sqrt`, `sin_cos` and their kin are at hand; what the closure
-/// does may depend on [`re`](DualNum::re), the value.
+/// does may depend on `re()`, the value.
 pub trait Real: DualNum<f64> + Copy {}
 
 impl<T: DualNum<f64> + Copy> Real for T {}
