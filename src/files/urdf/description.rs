@@ -269,7 +269,7 @@ pub(super) fn known_attributes(element: &Element, known: &[&str], what: &str, fi
             "{what}: attribute '{}' of <{}> is not read{hint}; the attributes are {}",
             shown(name),
             element.name,
-            known.join(", ")
+            known.iter().filter(|k| **k != "link").copied().collect::<Vec<_>>().join(", ")
         );
         let joint = what.split('\'').nth(1).unwrap_or_default();
         findings.add(K::UnknownAttribute, joint, element.line, text);

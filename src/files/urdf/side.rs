@@ -176,11 +176,10 @@ impl Beside {
             ));
             return Ok(());
         }
-        if let Some(other) = table.get("urdf").and_then(toml::Value::as_str) {
-            if !names(&path, other, urdf) {
-                self.warnings.push(format!("{shown} is not used, since it belongs to '{other}'"));
-                return Ok(());
-            }
+        let named = table.get("urdf").and_then(toml::Value::as_str);
+        if let Some(other) = named.filter(|other| !names(&path, other, urdf)) {
+            self.warnings.push(format!("{shown} is not used, since it belongs to '{other}'"));
+            return Ok(());
         }
         let document = parse(&text, &path)?;
         self.files.push(path.clone());
