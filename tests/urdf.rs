@@ -433,3 +433,129 @@ fn data_columns_may_be_named_after_the_joints() {
     let unit = read(&named.replace("drive_a_mm", "drive_a"), "1,2,3,4,5,6").unwrap_err().to_string();
     assert!(unit.contains("drive_a_mm"), "{unit}");
 }
+
+fn read_text(text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+    let folder = folder_with(&[("r.urdf", text)]);
+    Machine::read_with(folder.path().join("r.urdf"), options)
+}
+
+/// The machine of a changed robot.
+fn changed(style: Style, change: impl FnOnce(&mut Robot)) -> Machine {
+    let mut r = robot(style);
+    change(&mut r);
+    read_text(&r.text(), &UrdfOptions::default()).unwrap_or_else(|e| panic!("{style:?}: {e}"))
+}
+
+fn refused(style: Style, options: &UrdfOptions, change: impl FnOnce(&mut Robot)) -> Vec<(FindingKind, String)> {
+    let mut r = robot(style);
+    change(&mut r);
+    refusal(&r.text(), options).into_iter().map(|(kind, element, _)| (kind, element)).collect()
+}
+
+fn warns(machine: &Machine, parts: &[&str]) {
+    let told = machine.warnings.iter().any(|w| parts.iter().all(|p| w.contains(p)));
+    assert!(told, "{parts:?}: {:?}", machine.warnings);
+}
+
+#[test]
+fn errors_count_however_many_findings_there_are() {
+    let mut r = robot(Style::Frames);
+    for k in 0..150 {
+        r.links.push(format!("<link name=\"x{k}\"/>"));
+        r.joint(&format!("j{k}"), "prismatic", ["base", &format!("x{k}")], &urdf_robots::Frame::identity(), "");
+    }
+    let machine = read_text(&r.text(), &UrdfOptions::default()).unwrap();
+    assert_eq!(machine.warnings.len(), 101);
+    assert!(machine.warnings[100].contains("50 more warnings"), "{}", machine.warnings[100]);
+    replace(&mut r, "drive_a", "lower=\"", "lower=\"99\" was=\"");
+    assert_eq!(refusal(&r.text(), &UrdfOptions::default())[0].0, FindingKind::EmptyRange);
+    (0..150).for_each(|k| r.links.push(format!("<link name=\"x{k}\"/>")));
+    let message = read_text(&r.text(), &UrdfOptions::default()).unwrap_err().to_string();
+    assert_eq!(message.lines().count(), 101);
+    assert!(message.contains("50 more errors"), "{message}");
+}
+
+#[test]
+fn a_place_that_is_only_known_at_home_is_said_to_be_so() {
+    let machine = read(Style::Gazebo);
+    assert_eq!(machine.warnings.len(), 1, "{:?}", machine.warnings);
+    warns(&machine, &["line ", "PlaceTakenAtHome", "--home"]);
+    // Without a pose of the platform it is known nowhere.
+    let named = UrdfOptions { platform_link: Some("platform".into()), ..UrdfOptions::default() };
+    let found = refused(Style::Gazebo, &named, |r| r.joints.retain(|j| !j.contains("floating")));
+    assert_eq!(found[0], (FindingKind::MissingPart, "close_A".into()));
+}
+
+#[test]
+fn a_tree_rooted_in_its_platform_does_not_swap_the_bodies() {
+    let mut r = robot(Style::Frames);
+    r.joints.retain(|j| !j.contains("floating"));
+    let ground = urdf_robots::frame([0.3, -0.2, 0.1], [0.0, 0.1, 0.7]);
+    r.joint("free", "floating", ["platform", "floor"], &(ground * expected().home).inverse(), "");
+    assert_eq!(refusal(&r.text(), &UrdfOptions::default())[0].0, FindingKind::AmbiguousPlatform);
+    let based = UrdfOptions { base_link: Some("base".into()), ..UrdfOptions::default() };
+    agrees(&read_text(&r.text(), &based).unwrap(), &expected(), 1e-9, "rooted in the platform");
+    let renamed = r.text().replace("\"platform\"", "\"plate\"");
+    let machine = read_text(&renamed, &UrdfOptions::default()).unwrap();
+    warns(&machine, &["line ", "SwappedNames", "--base-link base"]);
+    warns(&machine, &["Note", "'plate' is taken as the base frame"]);
+}
+
+#[test]
+fn the_freedoms_of_a_leg_are_ranked_and_not_counted() {
+    let at_base = refused(Style::Frames, &UrdfOptions::default(), |r| replace(r, "strut_B_u2", "0 2 0", "0 0 1"));
+    assert_eq!(at_base, [(FindingKind::AnchorUndetermined, "drive_b".into())]);
+    let parallel = |r: &mut Robot| r.tags[0] = r.tags[0].replace("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 1 0\"/>");
+    let found = refused(Style::UrdfPlus, &UrdfOptions::default(), parallel);
+    assert_eq!(found, [(FindingKind::LegMobility, "drive_a".into())]);
+    let machine = changed(Style::UrdfPlus, |r| r.tags[0] = r.tags[0].replace("<axis xyz=\"0 0 1\"/>", ""));
+    warns(&machine, &["DefaultAxis", "<loop> 'close_A'"]);
+    // A pan and a tilt are two axes across the leg, though the first is along it at zero.
+    changed(Style::Frames, |r| replace(r, "strut_B_u1", "1 0 0", "0 0 1"));
+}
+
+#[test]
+fn statements_that_contradict_one_another_are_refused() {
+    let frame = urdf_robots::frame([0.1, 0.0, 0.0], [0.0; 3]);
+    let found = refused(Style::Frames, &UrdfOptions::default(), |r| {
+        r.joint("second", "fixed", ["platform", "closing_A_2"], &frame, "");
+    });
+    assert_eq!(found, [(FindingKind::ConflictingClosures, "second".into())]);
+    let again = |axis: &'static str| {
+        move |r: &mut Robot| {
+            let second = r.tags[0].replace("close_A", "again").replace("<axis xyz=\"0 0 1\"/>", axis);
+            r.tags.push(second);
+        }
+    };
+    changed(Style::UrdfPlus, again("<axis xyz=\"0 0 -2\"/>"));
+    let found = refused(Style::UrdfPlus, &UrdfOptions::default(), again("<axis xyz=\"1 0 0\"/>"));
+    assert_eq!(found, [(FindingKind::ConflictingClosures, "again".into())]);
+    // Anchors that are swapped leave a gap at home, at these two legs.
+    let text = robot(Style::Frames).text().replace("closing_A_2", "X").replace("closing_B_2", "closing_A_2");
+    let machine = read_text(&text.replace("\"X", "\"closing_B_2"), &UrdfOptions::default()).unwrap();
+    warns(&machine, &["line ", "HomeNotClosed", "only these: drive_a, drive_b"]);
+}
+
+#[test]
+fn what_hangs_on_a_leg_is_passed_over() {
+    for mimic in ["", "<mimic joint=\"drive_a\"/>"] {
+        let machine = changed(Style::Frames, |r| {
+            r.links.push("<link name=\"cover\"/>".into());
+            let more = format!("<axis xyz=\"1 0 0\"/>{mimic}");
+            r.joint("lid", "prismatic", ["strut_A_rod", "cover"], &urdf_robots::Frame::identity(), &more);
+        });
+        agrees(&machine, &expected(), 1e-12, "cover");
+        warns(&machine, &["line ", "Note", "'lid'", "leads to nothing"]);
+    }
+}
+
+#[test]
+fn misspelt_attributes_are_told() {
+    let machine = changed(Style::Frames, |r| {
+        replace(r, "strut_A_u1", "<axis xyz=", "<axis xyx=");
+        replace(r, "strut_A_u2", "<origin ", "<origin rp=\"0 0 1\" ");
+    });
+    warns(&machine, &["line ", "UnknownAttribute", "'strut_A_u1' axis", "'xyx'", "did you mean 'xyz'"]);
+    warns(&machine, &["DefaultAxis", "'strut_A_u1'"]);
+    warns(&machine, &["line ", "UnknownAttribute", "'strut_A_u2' origin", "'rp'", "did you mean 'rpy'"]);
+}

@@ -183,13 +183,33 @@ fn convert_goes_both_ways_and_loses_nothing_silently() {
     let (_, message) = b.done("convert bare.toml -o bare.urdf");
     assert!(message.contains("stands alone") && b.text("bare.toml") == bare, "{message}");
     let (_, message) = b.done("inspect bare.urdf");
-    assert!(message.is_empty(), "{message}");
+    assert!(message.contains("bare.toml is not used") && message.lines().count() == 1, "{message}");
     // A mechanism file that nobody named is not replaced.
     b.write("other.toml", TABLE_5);
     b.refuses("convert flat.toml -o other.urdf", &["other.toml", "of its own"]);
+    // Nor is anything else that happens to be TOML, or a side file of another URDF.
+    for (text, reason) in [
+        ("[package]\nname = \"x\"\n", "no side file of a URDF"),
+        ("a = = 1\n", "no TOML that can be read"),
+        ("type = \"linear-delta\"\n", "of kind 'linear-delta'"),
+        ("urdf = \"r.urdf\"\n", "belongs to 'r.urdf'"),
+        ("name = \"x\"\n", "no URDF of its stem"),
+    ] {
+        b.write("other.toml", text);
+        b.refuses("convert flat.toml -o other.urdf", &["other.toml", reason]);
+        assert_eq!(b.text("other.toml"), text);
+    }
+    // Its own is.
+    b.done("convert flat.toml -o again.urdf");
+    let delta = include_str!("../mechanisms/linear-delta.toml");
+    b.write("delta.toml", delta);
+    b.refuses("convert delta.toml -o x.urdf", &["delta.toml", "write .toml"]);
     // A leg without a stroke gets limits, and the side file says that it has none.
     let (_, message) = b.done("convert m.toml -o loose.urdf");
-    assert!(message.contains("states no stroke") && b.text("loose.toml").contains("strokes = [[], "), "{message}");
+    assert!(
+        message.contains("no leg states a stroke") && b.text("loose.toml").contains("strokes = [[], "),
+        "{message}"
+    );
 }
 
 #[test]
@@ -202,4 +222,12 @@ fn every_finding_of_a_file_is_shown_at_once() {
     b.refuses("inspect r.urdf", &["r.urdf: line ", "NotFinite: joint 'drive_a' axis"]);
     let b = Bench::new(&[("r.urdf", &text.replacen("0 0 nan", "0 0 1", 1))]);
     b.refuses("inspect r.urdf", &["UnknownLink: joint 'drive_b'", "did you mean 'strut_B_rod'", "SeveralRoots"]);
+}
+
+#[test]
+fn inspect_prints_the_warnings_of_a_file_in_both_places() {
+    let b = Bench::new(&[("r.urdf", &robot(Style::Gazebo).text())]);
+    let (out, err) = b.done("inspect r.urdf");
+    assert!(out.contains("PlaceTakenAtHome") && err.contains("warning: r.urdf: line "), "{out}{err}");
+    assert!(b.done("inspect r.urdf --quiet").1.is_empty());
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::urdf::Finding;
+use super::urdf::{Finding, findings_text};
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 
@@ -181,11 +181,6 @@ pub enum FileError {
 }
 
 /// One line for each finding.
-fn findings_text(path: &Path, findings: &[Finding]) -> String {
-    let line = |f: &Finding| format!("{}: {f}", path.display());
-    findings.iter().map(line).collect::<Vec<_>>().join("\n")
-}
-
 /// The text of a file.
 ///
 /// # Errors

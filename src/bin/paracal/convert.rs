@@ -36,6 +36,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     outputs.check(&args.output)?;
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
+    if extension.as_deref() == Some("urdf") {
+        // What cannot be URDF is refused by the name of the input.
+        machine.to_urdf()?;
+    }
     let written = outputs.add_mechanism(&args.output, machine.document())?;
     outputs.write()?;
     written.warnings.iter().for_each(|w| ui.warn(w));

@@ -29,8 +29,8 @@ const POSES: usize = 20;
 const SURVEYED: usize = 1000;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    // The warnings of the file are part of the result here.
-    let machine = Machine::read_with(&args.mechanism, &ui.urdf)?;
+    // The warnings of the file are part of the result, too.
+    let machine = ui.machine(&args.mechanism)?;
     let mechanism = machine.mechanism.as_ref();
     let c = mechanism.values();
     let at = Conditions::unknown();

@@ -20,7 +20,7 @@ pub(crate) struct UrdfArgs {
     /// Joint coordinate of the assembled home, in m or rad or with a unit; may be repeated.
     #[arg(long, global = true, value_name = "JOINT=VALUE", allow_hyphen_values = true)]
     home: Vec<String>,
-    /// How far axes may miss their common point, and closing frames each other at home.
+    /// How far axes may miss their common point, and closing frames each other at home [default: 1e-4 of a leg].
     #[arg(long, global = true, value_name = "LENGTH")]
     urdf_tolerance: Option<String>,
 }

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use nalgebra::Vector3;
+
 use super::closures::{Closure, Frame, Motion};
 use super::finding::{FindingKind as K, Findings};
 use super::model::{Bodies, Edge, Model};
@@ -26,6 +28,14 @@ pub(super) fn add_closures(
         if !matches!(edge.motion, Motion::Floating | Motion::Fixed) {
             between.entry(key(edge)).or_insert(k);
         }
+    }
+    if let Some(first) = closures.iter().find(|c| c.ends.iter().any(|e| e.frame.is_none())) {
+        let text = format!(
+            "{} '{}' and others like it state their place in '{}' or its like only; the other place is taken at home, so the \
+             anchors are right only if the file is assembled there: at q = 0, or at `--home joint=value`",
+            first.source, first.name, first.ends[0].link
+        );
+        findings.add(K::PlaceTakenAtHome, &first.name, first.line, text);
     }
     for closure in &closures {
         let before = model.edges.len();
@@ -81,11 +91,26 @@ fn agreed(first: &Edge, second: &Edge, bodies: &Bodies, tolerance: f64) -> Optio
         }
         (Motion::Undecided, other) => Some(other),
         (other, Motion::Undecided) => Some(other),
+        (Motion::Hinge(a) | Motion::Slide(a), Motion::Hinge(b) | Motion::Slide(b))
+            if std::mem::discriminant(&first.motion) == std::mem::discriminant(&second.motion) =>
+        {
+            // Seen in the body of the first frame of the record that stays; an axis has no sense.
+            let near = bodies.frame(&first.sides[0]).rotation;
+            let far = |axis: Vector3<f64>| {
+                if !swapped {
+                    return bodies.frame(&second.sides[0]).rotation * axis;
+                }
+                // The axis is in the other body, and the frames that are paired coincide.
+                let to_first = near * bodies.frame(&first.sides[1]).rotation.inverse();
+                to_first * bodies.frame(&second.sides[0]).rotation * axis
+            };
+            ((near * a).cross(&far(b)).norm() <= 1e-3).then_some(first.motion)
+        }
         (a, b) => (std::mem::discriminant(&a) == std::mem::discriminant(&b)).then_some(a),
     }
 }
 
 /// The longest step from a link to a joint: the size of the robot, roughly.
-fn size(model: &Model) -> f64 {
+pub(super) fn size(model: &Model) -> f64 {
     model.edges[..model.joints].iter().map(|e| e.sides[0].frame.translation.vector.norm()).fold(0.0, f64::max)
 }

@@ -1,6 +1,6 @@
 //! One end of a leg: what its joints leave of the place of its anchor.
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Unit, Vector3};
 
 use super::closures::{Frame, Motion};
 use super::finding::FindingKind as K;
@@ -98,6 +98,60 @@ pub(super) fn common_point(end: &End, what: &str, joint: &str) -> Result<Vector3
         );
         (K::AnchorUndetermined, text)
     })
+}
+
+/// Directions of the axes of an end in the frame of the leg, after some turn of each joint. The joints come in order
+/// from the body to the slide.
+fn directions(end: &End, turn: f64) -> Vec<Vector3<f64>> {
+    let mut turned = Rotation3::identity();
+    let mut found = Vec::with_capacity(end.lines.len());
+    for (k, (_, axis)) in end.lines.iter().rev().enumerate() {
+        let now = turned * axis;
+        found.push(now);
+        let angle = turn * (1.0 + 0.37 * (k % 5) as f64);
+        turned = Rotation3::from_axis_angle(&Unit::new_normalize(now), angle) * turned;
+    }
+    found
+}
+
+/// Number of independent directions that `part` makes of the axes of an end, in the best of some of its postures: in
+/// a single one, axes may be parallel by chance.
+fn rank(end: &End, part: impl Fn(Vec<Vector3<f64>>) -> Vec<Vector3<f64>>) -> usize {
+    let one = |turn: f64| {
+        let products: Matrix3<f64> = part(directions(end, turn)).iter().map(|d| d * d.transpose()).sum();
+        SymmetricEigen::new(products).eigenvalues.iter().filter(|v| **v > 1e-4).count()
+    };
+    [0.0, 0.5, 1.1, 1.9].map(one).into_iter().fold(0, usize::max)
+}
+
+/// Requires that a leg can tilt at both ends and leaves the platform all turns, whatever the number of its joints.
+/// `rod` is the direction of the leg.
+pub(super) fn check_turns(ends: &[End; 2], rod: &Vector3<f64>, joint: &str) -> Result<(), (K, String)> {
+    let across = |turns: Vec<Vector3<f64>>| turns.iter().map(|d| d - rod * d.dot(rod)).collect();
+    for (k, end) in ends.iter().enumerate() {
+        if end.points.is_empty() && rank(end, across) < 2 {
+            let text = format!(
+                "the {} end of the leg of joint '{joint}' tilts in one plane only, and turns about the leg itself; give it \
+                 two axes across the leg, or a ball",
+                ["base", "platform"][k]
+            );
+            return Err((K::AnchorUndetermined, text));
+        }
+    }
+    if ends.iter().any(|e| !e.points.is_empty()) {
+        return Ok(());
+    }
+    // The place of the anchor held, an end turns about the leg only if it has three directions.
+    let about_itself = rank(&ends[0], |turns| turns) == 3;
+    let with_leg = |turns: Vec<Vector3<f64>>| turns.into_iter().chain(about_itself.then_some(*rod)).collect();
+    if rank(&ends[1], with_leg) < 3 {
+        let text = format!(
+            "the leg of joint '{joint}' leaves the platform two turns and not three, since axes of its ends are parallel; \
+             correct the axes, or the axis of the closure"
+        );
+        return Err((K::LegMobility, text));
+    }
+    Ok(())
 }
 
 /// How far the joints of an end are from a point.

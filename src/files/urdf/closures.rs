@@ -6,20 +6,20 @@
 //! | `<drake:ball_constraint>` | points in both bodies | Drake |
 //! | `<loop>` with `<predecessor>`, `<successor>` | poses in both links | URDF+ |
 //! | `<constraint>` with `<parent>`, `<child>` and origins | poses in both links | a proposal for urdfdom |
-//! | `<gazebo><joint>` | a pose in the child; the parent has it where the child is at home | Gazebo Classic |
+//! | `<gazebo><joint>` | a pose in the child; its place in the parent is where the child stands at home | Gazebo Classic |
 //!
 //! All of them, closing frames and pairs become one record, a [`Closure`].
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::description::{Turn, number_list, numbers, origin};
+use super::description::{Turn, known_attributes, number_list, numbers, origin};
 use super::finding::{FindingKind as K, Findings};
 use super::xml::Element;
 
 /// Pose of one frame in another.
 pub(super) type Frame = Isometry3<f64>;
 
-/// Where a closure is stated. What is stated first in this list is preferred.
+/// Where a closure is stated. If two close the same bodies they must agree, and the later in this list is reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Source {
     Option,
@@ -146,7 +146,10 @@ impl Parts<'_> {
         // Gazebo writes the numbers of an axis into an element of their own.
         let axis = self.axis.and_then(|a| match a.child("xyz") {
             Some(xyz) => number_list(&xyz.text, xyz.line, &format!("{what} axis"), findings),
-            None => numbers(a, "xyz", &format!("{what} axis"), findings).flatten(),
+            None => {
+                known_attributes(a, &["xyz"], &format!("{what} axis"), findings);
+                numbers(a, "xyz", &format!("{what} axis"), findings).flatten()
+            }
         });
         if axis.is_some_and(|a: [f64; 3]| a.iter().all(|v| v.abs() < 1e-100)) {
             findings.add(K::ZeroAxis, name, line, format!("{what} has an axis of length zero; state its direction"));
@@ -159,6 +162,10 @@ impl Parts<'_> {
             findings.add(K::UnknownClosureType, name, line, text);
             return None;
         };
+        if axis.is_none() && matches!(motion, Motion::Hinge(_) | Motion::Slide(_)) {
+            let text = format!("{what} states no direction of its axis; x is taken, so state <axis xyz=\"…\"/>");
+            findings.add(K::DefaultAxis, &name, line, text);
+        }
         Some(Closure { name, line: Some(line), source: Source::Tag(tag), motion, ends: [a, b] })
     }
 }
@@ -225,6 +232,7 @@ fn gazebo(element: &Element, findings: &mut Findings) -> Option<Closure> {
     let child = link("child").map(|link| End { link, frame: Some(frame([x, y, z], Turn::Rpy([r, p, w]))) });
     let parent = link("parent").map(|link| End { link, frame: None });
     let (kind, axis) = (element.attribute("type"), element.child("axis"));
-    // The axis is given in the frame of the child, so the child comes first.
+    // The pose is given in the child and the axis in the frame of that pose, as SDF has it since 1.5, so the child comes
+    // first. The place in the parent is taken at home when the links are known.
     Parts { tag: "gazebo", element, kind, axis, ends: [child, parent] }.closure(findings)
 }

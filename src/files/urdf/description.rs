@@ -5,7 +5,7 @@
 //! limits, checks every number, collects the closures, and hands the rest to `urdf-rs` in the form it accepts.
 
 use super::closures::{Closure, inline};
-use super::finding::{FindingKind as K, Findings};
+use super::finding::{FindingKind as K, Findings, did_you_mean};
 use super::xml::Element;
 
 /// Most links, and most joints.
@@ -142,7 +142,14 @@ impl Description {
             return;
         }
         let (xyz, turn) = origin(element.child("origin"), &what, findings).unwrap_or(([0.0; 3], Turn::Rpy([0.0; 3])));
-        let axis = element.child("axis").map(|a| numbers(a, "xyz", &format!("{what} axis"), findings));
+        let axis = element.child("axis").map(|a| {
+            known_attributes(a, &["xyz"], &format!("{what} axis"), findings);
+            if a.attribute("xyz").is_none() && matches!(kind, "revolute" | "continuous" | "prismatic") {
+                let text = format!("{what} has an <axis> without xyz; x is taken, so state xyz=\"…\"");
+                findings.add(K::DefaultAxis, &name, a.line, text);
+            }
+            numbers(a, "xyz", &format!("{what} axis"), findings)
+        });
         let mut axis = axis.map(|a| a.flatten().unwrap_or([1.0, 0.0, 0.0]));
         let moves = matches!(kind, "revolute" | "continuous" | "prismatic");
         if let Some(a) = &mut axis
@@ -232,6 +239,7 @@ fn name_of(element: &Element, what: &str, findings: &mut Findings) -> Option<Str
 /// Position and orientation of an `<origin>`, or of any element with `xyz` and `rpy`; zero where it states none.
 pub(super) fn origin(element: Option<&Element>, what: &str, findings: &mut Findings) -> Option<([f64; 3], Turn)> {
     let element = element?;
+    known_attributes(element, &["xyz", "rpy", "quat_xyzw", "link"], &format!("{what} origin"), findings);
     let xyz = numbers(element, "xyz", &format!("{what} origin"), findings)?.unwrap_or([0.0; 3]);
     let rpy = numbers(element, "rpy", &format!("{what} origin"), findings)?;
     let turn = match (rpy, numbers(element, "quat_xyzw", &format!("{what} origin"), findings)?) {
@@ -250,6 +258,22 @@ pub(super) fn origin(element: Option<&Element>, what: &str, findings: &mut Findi
         (rpy, None) => Turn::Rpy(rpy.unwrap_or([0.0; 3])),
     };
     Some((xyz, turn))
+}
+
+/// Reports the attributes of an element that are none of `known`, and so state nothing.
+pub(super) fn known_attributes(element: &Element, known: &[&str], what: &str, findings: &mut Findings) {
+    let of_others = |name: &str| name.contains(':') || name == "xmlns";
+    for (name, _) in element.attributes.iter().filter(|(n, _)| !known.contains(&n.as_str()) && !of_others(n)) {
+        let hint = did_you_mean(name, known.iter().copied());
+        let text = format!(
+            "{what}: attribute '{}' of <{}> is not read{hint}; the attributes are {}",
+            shown(name),
+            element.name,
+            known.iter().filter(|k| **k != "link").copied().collect::<Vec<_>>().join(", ")
+        );
+        let joint = what.split('\'').nth(1).unwrap_or_default();
+        findings.add(K::UnknownAttribute, joint, element.line, text);
+    }
 }
 
 /// The limits of a slide; an end that is not stated is zero, as URDF has it.

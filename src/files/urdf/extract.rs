@@ -4,7 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 use nalgebra::{Point3, Vector3};
 
-use super::agree::add_closures;
+use super::agree::{add_closures, size};
+use super::choice::Choice;
 use super::closures::Motion;
 use super::description::Description;
 use super::finding::{FindingKind as K, Findings, did_you_mean};
@@ -94,6 +95,7 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
     }
 
     let bodies = Bodies::of(&model);
+    bodies.check(&model, settings.tolerance.unwrap_or(1e-4 * size(&model)), findings);
     let platform_body = platform_link.map(|l| bodies.of[l]);
     // With a platform of its own root, the base is the other root.
     let root =
@@ -101,7 +103,12 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
     let base = bodies.of[base_link.unwrap_or(root)];
     if platform_body == Some(base) {
         let name = settings.platform_link.clone().unwrap_or_default();
-        let text = format!("'{name}' is named as the platform, but is fixed to the base; name another link");
+        let advice = if base_link.is_some() {
+            "name another link"
+        } else {
+            "name the base with `--base-link` if it is another, or name another platform"
+        };
+        let text = format!("'{name}' is named as the platform, but is fixed to the base; {advice}");
         findings.add(K::DisconnectedPlatform, name, None, text);
         return None;
     }
@@ -116,8 +123,12 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
             Err(finding) => findings.push(finding),
         }
     }
-    let base_link = base_link.unwrap_or_else(|| choose_base(&model, &bodies, base, root));
-    let platform_link = platform_link.unwrap_or_else(|| choose_platform(&model, &bodies, platform, findings));
+    let frames = Choice { model: &model, bodies: &bodies, base, platform };
+    if base_link.is_none() && platform_link.is_none() {
+        frames.check_names(findings);
+    }
+    let base_link = base_link.unwrap_or_else(|| frames.base(root, findings));
+    let platform_link = platform_link.unwrap_or_else(|| frames.platform(findings));
     let frames = [base_link, platform_link].map(|l| bodies.frames[l].inverse());
     let mut found = Found { legs: Vec::with_capacity(measured.len()), home: None };
     for leg in &measured {
@@ -172,37 +183,6 @@ fn home_values(model: &Model, settings: &Settings, findings: &mut Findings) -> H
         }
     }
     values
-}
-
-/// The link whose frame is the base frame.
-fn choose_base(model: &Model, bodies: &Bodies, base: usize, root: usize) -> usize {
-    let mut usual = ["base_link", "base"].iter().filter_map(|name| model.link(name));
-    usual.find(|l| bodies.of[*l] == base).unwrap_or(root)
-}
-
-/// The link whose frame is the platform frame.
-fn choose_platform(model: &Model, bodies: &Bodies, platform: usize, findings: &mut Findings) -> usize {
-    let of_body: Vec<usize> = (0..model.links.len()).filter(|l| bodies.of[*l] == platform).collect();
-    let joints = &model.edges[..model.joints];
-    let floating = joints.iter().filter(|e| e.motion == Motion::Floating).map(|e| e.sides[1].link);
-    if let Some(link) = floating.into_iter().find(|l| bodies.of[*l] == platform) {
-        return link;
-    }
-    let starts = |l: &&usize| ["platform", "top"].iter().any(|p| model.links[**l].to_lowercase().starts_with(p));
-    let named: Vec<usize> = of_body.iter().filter(starts).copied().collect();
-    if let [link] = named[..] {
-        return link;
-    }
-    let fixed_children =
-        |l: &usize| joints.iter().filter(|e| e.motion == Motion::Fixed && e.sides[0].link == *l).count();
-    let chosen = of_body.iter().copied().max_by_key(|l| (fixed_children(l), usize::MAX - l)).unwrap_or_default();
-    if of_body.len() > 1 {
-        let name = &model.links[chosen];
-        let text =
-            format!("the frame of link '{name}' is taken as the platform frame; `--platform-link` names another");
-        findings.add(K::Note, name, None, text);
-    }
-    chosen
 }
 
 /// The lengths that the limits of a slide leave.

@@ -1,6 +1,7 @@
 //! What a URDF file has wrong, each with a name, a place and a remedy.
 
 use std::fmt;
+use std::path::Path;
 
 /// Name of what was found. Kinds whose [`is_warning`](Self::is_warning) holds do not stop the reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,8 +91,14 @@ pub enum FindingKind {
     HomeOutsideLimits,
     /// The legs hardly hold the platform at home.
     SingularHome,
-    /// A slide without `<axis>`.
+    /// A joint or closure without the direction of its axis.
     DefaultAxis,
+    /// An attribute that is not read, in an element whose attributes place something.
+    UnknownAttribute,
+    /// Closures that state their place in one of their links only.
+    PlaceTakenAtHome,
+    /// By their names, base and platform are not what their place in the tree makes them.
+    SwappedNames,
     /// Something of the file was chosen or passed over.
     Note,
 }
@@ -100,7 +107,17 @@ impl FindingKind {
     /// True for what the user should know although the file is read.
     pub fn is_warning(self) -> bool {
         use FindingKind as K;
-        matches!(self, K::HomeNotClosed | K::HomeOutsideLimits | K::SingularHome | K::DefaultAxis | K::Note)
+        matches!(
+            self,
+            K::HomeNotClosed
+                | K::HomeOutsideLimits
+                | K::SingularHome
+                | K::DefaultAxis
+                | K::UnknownAttribute
+                | K::PlaceTakenAtHome
+                | K::SwappedNames
+                | K::Note
+        )
     }
 }
 
@@ -132,13 +149,16 @@ impl fmt::Display for Finding {
     }
 }
 
-/// More findings than this are not kept: a file with so many has one cause.
+/// More warnings than this are not kept, nor more errors shown: a file with so many has one cause.
 const KEPT: usize = 100;
 
 /// Findings of one run.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
-    list: Vec<Finding>,
+    errors: Vec<Finding>,
+    warnings: Vec<Finding>,
+    /// Warnings that are only counted.
+    dropped: usize,
 }
 
 impl Findings {
@@ -154,26 +174,44 @@ impl Findings {
     }
 
     pub(super) fn push(&mut self, finding: Finding) {
-        if self.list.len() < KEPT {
-            self.list.push(finding);
+        // Every error counts: a file is read only if there is none.
+        if !finding.kind.is_warning() {
+            self.errors.push(finding);
+        } else if self.warnings.len() < KEPT {
+            self.warnings.push(finding);
+        } else {
+            self.dropped += 1;
         }
     }
 
     /// Fails with the errors so far; warnings stay.
     pub(super) fn stop_on_errors(&mut self) -> Result<(), Vec<Finding>> {
-        let (warnings, errors): (Vec<_>, Vec<_>) = self.list.drain(..).partition(|f| f.kind.is_warning());
-        self.list = warnings;
+        let errors = std::mem::take(&mut self.errors);
         if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
 
     pub(super) fn any_error(&self) -> bool {
-        self.list.iter().any(|f| !f.kind.is_warning())
+        !self.errors.is_empty()
     }
 
     /// The warnings, once the errors are out of the way.
-    pub(super) fn into_warnings(self) -> Vec<Finding> {
-        self.list
+    pub(super) fn into_warnings(mut self) -> Vec<Finding> {
+        if self.dropped > 0 {
+            let text = format!("{} more warnings are not shown; correct those that are", self.dropped);
+            self.warnings.push(Finding { kind: FindingKind::Note, element: String::new(), line: None, text });
+        }
+        self.warnings
     }
+}
+
+/// Findings line by line, each with its file; of many the first, and how many more there are.
+pub(in crate::files) fn findings_text(path: &Path, findings: &[Finding]) -> String {
+    let path = path.display();
+    let mut lines: Vec<String> = findings.iter().take(KEPT).map(|f| format!("{path}: {f}")).collect();
+    if findings.len() > KEPT {
+        lines.push(format!("{path}: {} more errors are not shown; correct those that are", findings.len() - KEPT));
+    }
+    lines.join("\n")
 }
 
 /// The nearest of `names`, to ask "did you mean".

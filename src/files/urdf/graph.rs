@@ -3,6 +3,8 @@
 //! Nothing depends on names: the platform is the body whose removal, with that of the base, leaves six parts that
 //! touched both and have one actuated slide each.
 
+use std::collections::{HashMap, HashSet};
+
 use super::closures::{Motion, Source};
 use super::finding::{FindingKind as K, Findings};
 use super::model::{Bodies, Model};
@@ -17,6 +19,8 @@ pub(super) struct Part {
     /// Actuated slides, and slides that only follow.
     pub(super) slides: Vec<usize>,
     passive_slides: Vec<usize>,
+    /// Slides that lead to nothing.
+    dead_ends: Vec<usize>,
 }
 
 impl Part {
@@ -116,6 +120,7 @@ impl<'a> Graph<'a> {
                 touches: [false; 2],
                 slides: vec![],
                 passive_slides: vec![],
+                dead_ends: vec![],
             };
             part_of[start] = parts.len();
             let mut at = 0;
@@ -144,17 +149,47 @@ impl<'a> Graph<'a> {
             touches: [true; 2],
             slides: vec![],
             passive_slides: vec![],
+            dead_ends: vec![],
         });
         parts.extend(straight);
         for part in &mut parts {
             part.edges.sort_unstable();
             part.edges.dedup();
             let is_slide = |k: &&usize| matches!(self.model.edges[**k].motion, Motion::Slide(_));
+            if part.is_leg() {
+                let lost = self.prune(part);
+                part.dead_ends = lost.iter().filter(is_slide).copied().collect();
+            }
             let slides = part.edges.iter().filter(is_slide).copied();
             let drives = |k: &usize| self.model.edges[*k].mimic.is_none() && (self.actuated)(*k);
             (part.slides, part.passive_slides) = slides.partition(drives);
         }
         parts
+    }
+
+    /// Takes away what hangs on a leg and leads nowhere, such as a sensor or a cover, and returns its edges.
+    fn prune(&self, part: &mut Part) -> Vec<usize> {
+        let mut degree: HashMap<usize, usize> = part.bodies.iter().map(|b| (*b, self.around[*b].len())).collect();
+        let mut outer: Vec<usize> = part.bodies.iter().copied().filter(|b| self.around[*b].len() == 1).collect();
+        let mut lost = HashSet::new();
+        while let Some(body) = outer.pop() {
+            degree.remove(&body);
+            for (edge, other) in &self.around[body] {
+                if lost.insert(*edge)
+                    && let Some(left) = degree.get_mut(other)
+                {
+                    *left -= 1;
+                    if *left == 1 {
+                        outer.push(*other);
+                    }
+                }
+            }
+        }
+        part.bodies.retain(|b| degree.contains_key(b));
+        part.edges.retain(|e| !lost.contains(e));
+        let mut lost: Vec<usize> = lost.into_iter().collect();
+        lost.sort_unstable();
+        lost
     }
 
     /// The six legs of a platform, or a report on what each lacks.
@@ -201,6 +236,10 @@ impl<'a> Graph<'a> {
             );
             findings.add(kind, self.name(platform), self.line(platform), text);
             wrong = true;
+        }
+        for edge in legs.iter().flat_map(|l| &l.dead_ends).map(|k| &self.model.edges[*k]) {
+            let text = format!("joint '{}' slides on a leg but leads to nothing, so it is passed over", edge.name);
+            findings.add(K::Note, &edge.name, edge.line, text);
         }
         legs.sort_by_key(|l| l.slides.first().copied());
         (!wrong).then_some(legs)

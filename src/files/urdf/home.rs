@@ -46,10 +46,20 @@ impl Assembly<'_> {
         }
         let mean = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
         let tolerance = allowed.distance(mean);
-        let (gap, worst) = self.largest_gap(legs, &tree, &lengths);
+        let gaps = self.gaps(legs, &tree, &lengths);
+        let Some(worst) = (0..gaps.len()).max_by(|a, b| gaps[*a].total_cmp(&gaps[*b])) else { return Some(tree) };
+        let gap = gaps[worst];
         if gap <= tolerance {
             return Some(tree);
         }
+        let (line, worst) = (self.measured[worst].line, &legs[worst].joint);
+        let apart: Vec<&str> =
+            legs.iter().zip(&gaps).filter(|(_, g)| !(**g <= tolerance)).map(|(l, _)| l.joint.as_str()).collect();
+        let which = if apart.len() < legs.len() {
+            format!(" (of {} legs only these: {})", legs.len(), apart.join(", "))
+        } else {
+            String::new()
+        };
         let as_leg = |(l, length): (&FoundLeg, &f64)| Leg {
             platform: l.platform,
             base: l.base,
@@ -64,28 +74,27 @@ impl Assembly<'_> {
         });
         let Some(pose) = solved else {
             let text = format!(
-                "at joint coordinates zero the leg of joint '{worst}' misses its anchor by {:.3} mm, and no pose near that of \
+                "at its joint coordinates of home the leg of joint '{worst}' misses its anchor by {:.3} mm{which}, and no pose near that of \
                  the file fits the lengths; the home pose is sought above the base instead. Give the assembled joint \
                  coordinates by `--home joint=value`, or [home] in a side file",
                 1e3 * gap
             );
-            findings.add(K::HomeNotClosed, worst, None, text);
+            findings.add(K::HomeNotClosed, worst, line, text);
             return None;
         };
         let text = format!(
-            "at its joint coordinates of home the leg of joint '{worst}' misses its anchor by {:.3} mm; the home pose is \
-             solved from the lengths instead. Anchors and lengths hold; correct the pose of the platform in the file, or \
-             state `--home joint=value`",
+            "at its joint coordinates of home the leg of joint '{worst}' misses its anchor by {:.3} mm{which}; the home pose \
+             is solved from the lengths instead. Either the pose of the platform is not that of the home, and anchors and \
+             lengths hold: correct it, or state `--home joint=value`; or a closure joins the wrong pair: correct that",
             1e3 * gap
         );
-        findings.add(K::HomeNotClosed, worst, None, text);
+        findings.add(K::HomeNotClosed, worst, line, text);
         Some(pose)
     }
 
-    /// The largest distance between an anchor of a leg and that of its body, and the joint of that leg.
-    fn largest_gap(&self, legs: &[FoundLeg], tree: &Pose, lengths: &[f64]) -> (f64, String) {
-        let mut largest = (0.0, String::new());
-        for ((leg, measured), length) in legs.iter().zip(self.measured).zip(lengths) {
+    /// The largest distance between the anchors of each leg and those of its bodies.
+    fn gaps(&self, legs: &[FoundLeg], tree: &Pose, lengths: &[f64]) -> Vec<f64> {
+        let gap = |((leg, measured), length): ((&FoundLeg, &Measured), &f64)| {
             let mut gap = ((tree.place(&leg.platform) - leg.base).norm() - length).abs();
             for (k, anchor) in [leg.base, leg.platform].iter().enumerate() {
                 let (link, local) = &measured.ends[k];
@@ -93,10 +102,8 @@ impl Assembly<'_> {
                     gap = gap.max((of_leg * Point3::from(*local) - of_body * Point3::from(*anchor)).norm());
                 }
             }
-            if !(gap <= largest.0) {
-                largest = (gap, leg.joint.clone());
-            }
-        }
-        largest
+            gap
+        };
+        legs.iter().zip(self.measured).zip(lengths).map(gap).collect()
     }
 }

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use super::anchor::{End, common_point, decide, largest_miss};
+use super::anchor::{End, check_turns, common_point, decide, largest_miss};
 use super::closures::{Frame, Motion};
 use super::finding::{Finding, FindingKind as K};
 use super::graph::Part;
@@ -110,6 +110,7 @@ pub(super) fn measure(
         );
         return Err(finding(K::SlideOffLeg, text));
     }
+    check_turns(&ends, &direction, &edge.name).map_err(|(kind, text)| finding(kind, text))?;
     let into = |k: usize| ends[k].carry * nalgebra::Point3::from(anchors[k]);
     let local = |k: usize| {
         let (link, pose) = &ends[k].last;

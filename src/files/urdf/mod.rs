@@ -9,7 +9,9 @@
 //!    and of the call; [`agree`] sorts out what is stated twice.
 //! 3. [`graph`] finds base, platform and legs by their connections, [`leg`] and [`anchor`] the anchors `a`, `b` and the length
 //!    `L0` at joint coordinate zero: with `c` the common point of the axes at the platform's end,
-//!    `L0 = |c - b|` and `length = L0 ± q`. No step depends on names or on an assembled zero pose.
+//!    `L0 = |c - b|` and `length = L0 ± q`. Names decide only which
+//!    link carries the frame of its body. The zero pose need not be assembled, but for closures that state their place in
+//!    one link only (`<gazebo><joint>`).
 //! 4. [`extract`] puts it together, with the pose at [`home`]: that of the tree if it closes every loop, else the nearest
 //!    that fits the lengths.
 //!
@@ -18,6 +20,7 @@
 
 mod agree;
 mod anchor;
+mod choice;
 mod closures;
 mod description;
 mod extract;
@@ -38,6 +41,7 @@ pub use options::{HomeJoint, UrdfOptions};
 pub use output::WrittenMechanism;
 pub use writer::UrdfFiles;
 
+pub(super) use finding::findings_text;
 pub(super) use output::is_urdf;
 pub(super) use side::names_a_urdf;
 
@@ -102,8 +106,16 @@ fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Re
     });
     let found = extract(&description, &settings, &mut findings);
     findings.stop_on_errors().map_err(refused)?;
-    // Without an error there is a result.
-    let Some(found) = found else { return Err(refused(Vec::new())) };
+    let Some(found) = found else {
+        let text =
+            "no mechanism was found in it, for no reason that is known; compare it with a file that is read".into();
+        return Err(refused(vec![Finding {
+            kind: FindingKind::NoLoopClosures,
+            element: String::new(),
+            line: None,
+            text,
+        }]));
+    };
     let convention = PoseConvention {
         order: document.rotation_order,
         pivot: Vector3::from(document.pivot).map(|v| reader.length.to_si(v)),

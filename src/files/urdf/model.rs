@@ -126,14 +126,17 @@ impl Model {
         let stated = [closure.ends[0].frame, closure.ends[1].frame];
         let frames = match (stated, links.map(|l| home[l])) {
             ([Some(a), Some(b)], _) => [a, b],
-            ([Some(a), None], [Some(of_a), Some(of_b)]) => {
+            ([Some(_), None], _) if !self.hang_together(links) => {
+                let [a, b] = closure.ends.each_ref().map(|e| &e.link);
                 let text = format!(
-                    "{} '{}' states its place in '{}' only; the place in '{}' is taken where the two are at home",
-                    closure.source, closure.name, closure.ends[0].link, closure.ends[1].link
+                    "{} '{}' states its place in '{a}' only, and '{a}' and '{b}' hang from different roots, so nothing says \
+                     where '{b}' is; join the platform with the base by a floating joint at its home pose",
+                    closure.source, closure.name
                 );
-                findings.add(K::Note, &closure.name, closure.line, text);
-                [a, of_b.inverse() * of_a * a]
+                findings.add(K::MissingPart, &closure.name, closure.line, text);
+                return;
             }
+            ([Some(a), None], [Some(of_a), Some(of_b)]) => [a, of_b.inverse() * of_a * a],
             _ => {
                 let text =
                     format!("{} '{}' does not state where it is; give both places", closure.source, closure.name);
@@ -150,6 +153,28 @@ impl Model {
             limit: None,
             mimic: None,
         });
+    }
+
+    /// True if two links hang from one root; of more than two roots, which are refused, it says nothing.
+    fn hang_together(&self, links: [usize; 2]) -> bool {
+        let [first, second] = self.roots[..] else { return true };
+        let reached = [first, second].map(|root| {
+            let mut seen = vec![false; self.links.len()];
+            seen[root] = true;
+            let mut grown = true;
+            while grown {
+                grown = false;
+                for [parent, child] in self.edges[..self.joints].iter().map(|e| e.sides.map(|s| s.link)) {
+                    if seen[parent] && !seen[child] {
+                        seen[child] = true;
+                        grown = true;
+                    }
+                }
+            }
+            links.map(|l| seen[l])
+        });
+        // A link that both reach stands where one of them puts it, and the other may not agree.
+        reached == [[true; 2], [false; 2]] || reached == [[false; 2], [true; 2]]
     }
 
     /// Poses of the links when the joints stand at `values` (zero if absent), each root at the origin. A link with
@@ -257,6 +282,26 @@ impl Bodies {
             bodies.count += 1;
         }
         bodies
+    }
+
+    /// Reports fixed joints that put a link elsewhere than the others do.
+    pub(super) fn check(&self, model: &Model, tolerance: f64, findings: &mut Findings) {
+        for edge in model.edges[..model.joints].iter().filter(|e| e.motion == Motion::Fixed) {
+            let [a, b] = edge.sides.map(|s| self.frame(&s));
+            let off = (a.translation.vector - b.translation.vector).norm();
+            let turned = a.rotation.angle_to(&b.rotation);
+            if !(off <= tolerance && turned <= 1e-3) {
+                let text = format!(
+                    "fixed joint '{}' puts '{}' {:.3} mm and {:.2} deg off the place that other fixed joints give it; \
+                     delete one of them",
+                    edge.name,
+                    model.links[edge.sides[1].link],
+                    1e3 * off,
+                    turned.to_degrees()
+                );
+                findings.add(K::ConflictingClosures, &edge.name, edge.line, text);
+            }
+        }
     }
 
     /// The frame of a side in its body.

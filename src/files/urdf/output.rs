@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::side::is_closure_yaml;
+use super::side::{SideDocument, is_closure_yaml, names};
 use crate::files::document::MechanismDocument;
 use crate::files::error::FileError;
-use crate::files::machine::Machine;
+use crate::files::machine::{Machine, SIX_HARDPOINT};
 use crate::files::outputs::Outputs;
 
 /// What was added to the outputs.
@@ -51,10 +51,12 @@ impl Outputs {
             }
             Err(error) => return Err(error),
         }
-        if side.is_file() && !is_side_file(&side) {
+        if side.exists()
+            && let Err(reason) = replaceable(&side, path)
+        {
             return Err(refused(format!(
-                "it is a mechanism file of its own, and the side file of {robot} would replace it; choose another name for \
-                 the output, or move it away"
+                "{reason}, and the side file of {robot} would replace it; choose another name for the output, or move it \
+                 away"
             )));
         }
         for extension in ["yaml", "yml"] {
@@ -75,8 +77,25 @@ pub(in crate::files) fn is_urdf(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
 }
 
-/// True for a TOML file without legs.
-fn is_side_file(path: &Path) -> bool {
-    let table = std::fs::read_to_string(path).ok().and_then(|text| toml::from_str::<toml::Table>(&text).ok());
-    table.is_some_and(|t| !t.contains_key("leg"))
+/// Fails with the reason, unless a file is the side file of a URDF that is there.
+fn replaceable(side: &Path, robot: &Path) -> Result<(), String> {
+    let text = std::fs::read_to_string(side).map_err(|cause| format!("it is no text that can be read ({cause})"))?;
+    let table: toml::Table =
+        toml::from_str(&text).map_err(|e| format!("it is no TOML that can be read ({})", e.message()))?;
+    if table.contains_key("leg") {
+        return Err("it is a mechanism file of its own".into());
+    }
+    if let Some(kind) = table.get("type").and_then(toml::Value::as_str).filter(|k| *k != SIX_HARDPOINT) {
+        return Err(format!("it is a mechanism file of kind '{kind}'"));
+    }
+    if let Err(e) = toml::from_str::<SideDocument>(&text) {
+        return Err(format!("it is no side file of a URDF ({})", e.message()));
+    }
+    if let Some(other) = table.get("urdf").and_then(toml::Value::as_str).filter(|o| !names(side, o, robot)) {
+        return Err(format!("it belongs to '{other}'"));
+    }
+    if !robot.is_file() {
+        return Err("no URDF of its stem stands beside it".into());
+    }
+    Ok(())
 }

@@ -119,6 +119,13 @@ pub(in crate::files) fn names_a_urdf(text: &str) -> Option<String> {
     toml::from_str::<Key>(text).ok().and_then(|k| k.urdf)
 }
 
+/// True if a name that stands in a file means this URDF.
+pub(super) fn names(file: &Path, name: &str, urdf: &Path) -> bool {
+    let named = file.parent().unwrap_or(Path::new("")).join(name);
+    let resolved = |path: &Path| std::fs::canonicalize(path).ok();
+    named == urdf || resolved(&named).is_some_and(|named| Some(named) == resolved(urdf))
+}
+
 pub(super) fn parse(text: &str, path: &Path) -> Result<SideDocument, FileError> {
     let document: SideDocument = toml::from_str(text).map_err(|e| toml_error(path, &e.to_string()))?;
     if let Some(kind) = document.kind.as_ref().filter(|k| *k != SIX_HARDPOINT) {
@@ -169,13 +176,10 @@ impl Beside {
             ));
             return Ok(());
         }
-        if let Some(other) = table.get("urdf").and_then(toml::Value::as_str) {
-            let named = path.parent().unwrap_or(Path::new("")).join(other);
-            let same = |a: &Path, b: &Path| a == b || std::fs::canonicalize(a).ok() == std::fs::canonicalize(b).ok();
-            if !same(&named, urdf) {
-                self.warnings.push(format!("{shown} is not used, since it belongs to '{other}'"));
-                return Ok(());
-            }
+        let named = table.get("urdf").and_then(toml::Value::as_str);
+        if let Some(other) = named.filter(|other| !names(&path, other, urdf)) {
+            self.warnings.push(format!("{shown} is not used, since it belongs to '{other}'"));
+            return Ok(());
         }
         let document = parse(&text, &path)?;
         self.files.push(path.clone());

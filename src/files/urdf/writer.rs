@@ -43,7 +43,7 @@ impl Machine {
             return Err(FileError::Value {
                 path: self.path.clone(),
                 place: "type".into(),
-                problem: format!("only a mechanism of kind '{SIX_HARDPOINT}' can be written as URDF"),
+                problem: format!("only a mechanism of kind '{SIX_HARDPOINT}' can be written as URDF; write .toml"),
             });
         };
         let home = self.mechanism.home();
@@ -105,10 +105,14 @@ impl Machine {
             let list =
                 legs.iter().map(|l| l.stroke.map_or("[]".into(), |[a, b]| format!("[{}, {}]", shown(a), shown(b))));
             text += &format!("strokes = [{}]\n", list.collect::<Vec<_>>().join(", "));
+            let which = match without.len() {
+                6 => "no leg states a stroke".into(),
+                1 => format!("leg {} states no stroke", without[0]),
+                _ => format!("legs {} state no stroke", without.join(", ")),
+            };
             warnings.push(format!(
-                "leg {} states no stroke; URDF needs limits, so half of the length either way is written, and `strokes` in \
-                 the side file says that there is none",
-                without.join(", ")
+                "{which}; URDF needs limits, so half of the length either way is written, and `strokes` in the side file \
+                 says that there is none"
             ));
         }
         text
