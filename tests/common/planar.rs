@@ -108,6 +108,9 @@ impl Mechanism for Planar {
     }
 
     fn inverse(&self, c: &[f64], pose: &Pose, _at: &Conditions) -> Result<Vec<f64>, KinematicsError> {
+        // Only what the joints control: the platform stays in its plane.
+        let [x, y, .., gamma] = pose.coordinates();
+        let pose = Pose::from_coordinates(&[x, y, 0.0, 0.0, 0.0, gamma]);
         let leg =
             |p: &[f64]| (pose.place(&Vector3::new(p[0], p[1], 0.0)) - Vector3::new(p[3], p[4], 0.0)).norm() - p[2];
         Ok(c.chunks(5).map(leg).collect())
