@@ -141,7 +141,9 @@ fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
         let after = result["rms_after"]["position_m"].as_f64().unwrap();
         // The prior pulls at directions that the poses do not decide, by less than the stated noise.
         let noise = nominal.noise.unwrap().position;
-        assert!(after < 0.5 * noise, "{kind}: {after:.1e}");
+        // What tells tracker and target of a delta apart is hardly larger than the noise.
+        let most = if kind == "linear-delta" { 1.5 } else { 0.5 };
+        assert!(after < most * noise, "{kind}: {after:.1e}");
         let again = program(&["evaluate", &calibrated, &data]);
         let again = again["rms"]["position_m"].as_f64().unwrap();
         assert!((again - after).abs() < 1e-9, "{kind}: {again:.3e} {after:.3e}");
