@@ -165,13 +165,16 @@ pub fn calibrate(
     Ok(with_warnings(result, data, &options.holdout))
 }
 
+/// An identification, and whether it converged.
+type Identify<'a> = dyn Fn(&Task<'_>) -> Result<(Identification, bool), IdentifyError> + 'a;
+
 /// Frames found with the drawing and, while the data do not fit, again with the mechanism that was identified in them. A
 /// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause.
 fn settled_registration(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     options: &CalibrationOptions,
-    identify: &dyn Fn(&Task<'_>) -> Result<(Identification, bool), IdentifyError>,
+    identify: &Identify<'_>,
 ) -> Result<Registration, IdentifyError> {
     let mut best = register(mechanism, data)?;
     let mut least = f64::INFINITY;
