@@ -135,9 +135,9 @@ fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
         let turned = Pose::from_coordinates(&std::array::from_fn(|k| {
             result["frames"]["base"][if k < 3 { "position_m" } else { "rotation_rad" }][k % 3].as_f64().unwrap()
         }));
-        // A delta hardly turns, so that tracker and target are told apart by centimetres only.
+        // A delta hardly turns and a plate stays in its plane: along some axes tracker and target are one offset.
         let off = turned.motion_to(&tracker);
-        assert!(off.fixed_rows::<3>(3).norm() < 5e-3 && off.fixed_rows::<3>(0).norm() < 0.05, "{kind}: {off:?}");
+        assert!(off.fixed_rows::<3>(3).norm() < 5e-3 && off.fixed_rows::<3>(0).norm() < 0.2, "{kind}: {off:?}");
         let after = result["rms_after"]["position_m"].as_f64().unwrap();
         // The prior pulls at directions that the poses do not decide, by less than the stated noise.
         let noise = nominal.noise.unwrap().position;
