@@ -101,13 +101,16 @@ pub fn calibrate(
         Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
         Err(error) => Err(error),
     };
-    let registration = settled_registration(mechanism, data, options, &identify)?;
+    let (registration, identified) = settled_registration(mechanism, data, options, &identify)?;
     let frames = registration.frames;
     let aligned = data.with_frames(frames);
     let convention = if frames.is_identity() { Convention::Stated } else { Convention::Free };
     let mut task =
         Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
-    let (mut found, mut converged) = identify(&task)?;
+    let (mut found, mut converged) = match identified {
+        Some(identified) => identified,
+        None => identify(&task)?,
+    };
     if found.prior && convention == Convention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
         // The tracker or the target is a little off: too little to be registered, too much for the tolerances.
         task.convention = Convention::Free;
@@ -165,18 +168,19 @@ pub fn calibrate(
     Ok(with_warnings(result, data, &options.holdout))
 }
 
-/// An identification, and whether it converged.
+/// Gives an identification, and whether it converged.
 type Identify<'a> = dyn Fn(&Task<'_>) -> Result<(Identification, bool), IdentifyError> + 'a;
 
 /// Frames found with the drawing and, while the data do not fit, again with the mechanism that was identified in them. A
-/// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause.
+/// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause. With the frames
+/// comes what was identified in them, if anything was.
 fn settled_registration(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     options: &CalibrationOptions,
     identify: &Identify<'_>,
-) -> Result<Registration, IdentifyError> {
-    let mut best = register(mechanism, data)?;
+) -> Result<(Registration, Option<(Identification, bool)>), IdentifyError> {
+    let (mut best, mut identified) = (register(mechanism, data)?, None);
     let mut least = f64::INFINITY;
     let mut tried = best;
     for _ in 0..FRAME_ROUNDS {
@@ -186,19 +190,20 @@ fn settled_registration(
         }
         let aligned = data.with_frames(tried.frames);
         let (prior, weights, convention) = (options.prior, options.weights, Convention::Free);
-        let (found, _) = identify(&Task { prior, weights, convention, ..Task::new(mechanism, &aligned) })?;
+        let (found, converged) = identify(&Task { prior, weights, convention, ..Task::new(mechanism, &aligned) })?;
         let misfit = found.misfit.chi_square;
         if !(misfit < least) {
             break;
         }
-        (best, least) = (tried, misfit);
-        if found.misfit.p_value().is_none_or(|p| p > FITS) {
+        let fits = found.misfit.p_value().is_none_or(|p| p > FITS);
+        let values = found.mechanism_values();
+        (best, least, identified) = (tried, misfit, Some((found, converged)));
+        if fits {
             break;
         }
-        let fitted = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
-        tried = register(fitted.as_ref(), data)?;
+        tried = register(mechanism.with_values(&values, mechanism.home())?.as_ref(), data)?;
     }
-    Ok(best)
+    Ok((best, identified))
 }
 
 /// Parameters and covariance in the frames of the measurement: `b' = B b`, `a' = A⁻¹ a`.
