@@ -1,8 +1,8 @@
 //! Size and conditioning of a mechanism.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Matrix6, Vector3};
 
-use super::{Linearization, Mechanism, ParameterRole};
+use super::{GeometryError, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
@@ -27,8 +27,13 @@ impl Body {
 
     /// The body's points under the parameters `c`, by leg; legs without a point are skipped.
     pub fn points<M: Mechanism + ?Sized>(self, mechanism: &M, c: &[f64]) -> Vec<(usize, Vector3<f64>)> {
+        self.points_among(mechanism.parameters(), c)
+    }
+
+    /// The same among any parameters and their values.
+    pub(super) fn points_among(self, specs: &[ParameterSpec], c: &[f64]) -> Vec<(usize, Vector3<f64>)> {
         let mut points: Vec<(usize, Vector3<f64>)> = Vec::new();
-        for (spec, value) in mechanism.parameters().iter().zip(c) {
+        for (spec, value) in specs.iter().zip(c) {
             if let Some((leg, axis)) = self.coordinate(spec.role) {
                 if points.last().is_none_or(|(last, _)| *last != leg) {
                     points.push((leg, Vector3::zeros()));
@@ -85,4 +90,30 @@ pub fn condition<M: Mechanism + ?Sized>(mechanism: &M, c: &[f64], joints: &[f64]
     }
     let sigma = work.motion.singular_values();
     sigma.max() / sigma.min()
+}
+
+/// A home pose with a worse condition does not hold its platform.
+const WORST_CONDITION: f64 = 1e7;
+/// One over the product of the sizes of `J₁` and its inverse, below which a pose is singular.
+const SINGULAR: f64 = 1e-13;
+
+/// Refuses a mechanism whose joints do not hold the platform at home.
+///
+/// # Errors
+/// [`GeometryError::SingularHome`].
+pub(super) fn check_held<M: Mechanism + ?Sized>(mechanism: &M, home_joints: &[f64]) -> Result<(), GeometryError> {
+    let condition = condition(mechanism, mechanism.values(), home_joints, &mechanism.home(), &Conditions::unknown());
+    if condition < WORST_CONDITION { Ok(()) } else { Err(GeometryError::SingularHome { condition }) }
+}
+
+/// `J₁⁻¹` of six closure equations.
+///
+/// # Errors
+/// [`KinematicsError::Singular`] where there is none.
+pub(super) fn inverse_motion(motion: &Matrix6<f64>) -> Result<Matrix6<f64>, KinematicsError> {
+    let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
+    let inverse = motion.try_inverse().ok_or(singular(0.0))?;
+    // The product of the two sizes bounds the condition; its inverse stands for the ratio of the pivots.
+    let ratio = 1.0 / (inverse.norm() * motion.norm());
+    if ratio > SINGULAR { Ok(inverse) } else { Err(singular(ratio)) }
 }

@@ -37,6 +37,7 @@ use std::fmt::Debug;
 use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
 
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
+use characteristics::{check_held, inverse_motion};
 pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{
     follow_joints, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point, settled,

@@ -16,7 +16,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::six_legs::{SixLegs, leg_row};
 use super::{
     Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
-    ParameterSpec, condition, follow_joints,
+    ParameterSpec, check_held, follow_joints, inverse_motion,
 };
 use crate::conditions::Conditions;
 use crate::pose::Pose;
@@ -53,8 +53,6 @@ pub struct SixHardpoint {
 pub(super) const PER_LEG: usize = 7;
 pub(super) const LEGS: usize = 6;
 const NAMES: [&str; PER_LEG] = ["xA", "yA", "zA", "h", "xB", "yB", "zB"];
-/// A home pose with a worse condition does not hold its platform.
-const WORST_CONDITION: f64 = 1e7;
 
 impl SixHardpoint {
     /// A mechanism of six legs. Without `home` it is solved from the lengths, starting at zero attitude above
@@ -113,10 +111,7 @@ impl SixHardpoint {
     /// Finds on which side of the singularities home lies, or refuses a home that the legs do not hold.
     fn hold_at_home(&mut self) -> Result<(), GeometryError> {
         let joints = self.inverse(&self.values, &self.home, &Conditions::unknown()).map_err(GeometryError::Home)?;
-        let condition = condition(self, &self.values, &joints, &self.home, &Conditions::unknown());
-        if !(condition < WORST_CONDITION) {
-            return Err(GeometryError::SingularHome { condition });
-        }
+        check_held(self, &joints)?;
         let (mut residual, mut jacobian) = (Vector6::zeros(), Matrix6::zeros());
         self.legs(&self.values, &joints).equations(&self.home, &mut residual, &mut jacobian);
         self.side = jacobian.determinant().signum();
@@ -300,13 +295,7 @@ impl Mechanism for SixHardpoint {
         let legs = self.legs(c, joints);
         let (mut residual, mut motion) = (Vector6::zeros(), Matrix6::zeros());
         legs.equations(pose, &mut residual, &mut motion);
-        let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
-        let inverse = motion.try_inverse().ok_or(singular(0.0))?;
-        // The product of the two sizes bounds the condition; its inverse stands for the ratio of the pivots.
-        let ratio = 1.0 / (inverse.norm() * motion.norm());
-        if !(ratio > 1e-13) {
-            return Err(singular(ratio));
-        }
+        let inverse = inverse_motion(&motion)?;
         for i in 0..LEGS {
             let (row, held) = (leg_row(&motion, i, pose), inverse.column(i));
             for (k, value) in row.iter().enumerate() {

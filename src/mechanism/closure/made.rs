@@ -1,26 +1,23 @@
 //! The mechanism that a closure makes.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
+use super::check::{check_dependence, check_outline};
 use super::evaluation::{Derivatives, Place, Wanted, derivatives};
 use super::inverse::{Root, Rows, root};
+use super::mounting::Mounting;
 use super::passive::{eliminated, solved};
 use super::pattern::Pattern;
 use super::{Closure, Outline};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole, ParameterSpec,
-    characteristic_length, condition, forward_by_rows, motion_block_by_closure,
+    Body, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
+    characteristic_length, check_held, forward_by_rows, inverse_motion, motion_block_by_closure,
 };
 use crate::pose::Pose;
 
-/// A home pose with a worse condition does not hold its platform.
-const WORST_CONDITION: f64 = 1e7;
-/// One over the product of the sizes of `J₁` and its inverse, below which a pose is singular.
-const SINGULAR: f64 = 1e-13;
 /// Rounds in which the attitude that the platform takes is found.
 const SERVING_ROUNDS: usize = 20;
 
@@ -41,8 +38,7 @@ pub struct ClosureMechanism<C> {
     values: Vec<f64>,
     pattern: Pattern,
     joint_pattern: Pattern,
-    /// Base in the tracker's frame and target on the platform.
-    mounting: Option<(Pose, Pose)>,
+    mounting: Option<Mounting>,
     /// Home and its joints, in the mechanism's own frames.
     home: Root,
     /// Home in the frames of the measurement.
@@ -90,7 +86,7 @@ impl<C: Closure> ClosureMechanism<C> {
 
     /// The base in the frame of the measurement and the target on the platform, if it is mounted.
     pub fn mounting(&self) -> Option<(Pose, Pose)> {
-        self.mounting
+        self.mounting.map(|m| (m.base, m.target))
     }
 
     /// The closure.
@@ -103,9 +99,9 @@ impl<C: Closure> ClosureMechanism<C> {
         outline: Outline,
         all: Vec<f64>,
         free: Vec<usize>,
-        mounting: Option<(Pose, Pose)>,
+        mounting: Option<Mounting>,
     ) -> Result<Self, GeometryError> {
-        check(&outline, &all, &free)?;
+        check_outline(&outline, &all, &free)?;
         let pattern = Pattern::of(&closure, &outline, &free);
         let joint_pattern = Pattern::of(&closure, &outline, &[]);
         let specs: Vec<ParameterSpec> = free.iter().map(|k| outline.parameters[*k].clone()).collect();
@@ -127,14 +123,10 @@ impl<C: Closure> ClosureMechanism<C> {
             size: 1.0,
         };
         made.size = characteristic_length(&made);
-        made.check_dependence()?;
+        check_dependence(&made.closure, &made.outline, &made.all, &made.free, &made.pattern)?;
         let start = made.home.pose;
         made.settle_home(&start)?;
-        let (c, joints, at) = (made.values.clone(), made.home.joints.clone(), Conditions::unknown());
-        let condition = condition(&made, &c, &joints, &made.outer_home, &at);
-        if !(condition < WORST_CONDITION) {
-            return Err(GeometryError::SingularHome { condition });
-        }
+        check_held(&made, &made.home.joints)?;
         Ok(made)
     }
 
@@ -147,44 +139,12 @@ impl<C: Closure> ClosureMechanism<C> {
         Ok(())
     }
 
-    /// A row that depends on a column although it says it does not would give wrong derivatives.
-    fn check_dependence(&self) -> Result<(), GeometryError> {
-        let dense = Pattern::dense(self.pattern.colour.len(), self.outline.equations);
-        let place = Place {
-            pose: &self.home.pose,
-            joints: &self.home.joints,
-            parameters: &self.all,
-            passive: &self.outline.passive,
-            at: &Conditions::unknown(),
-        };
-        let d = derivatives(&self.closure, &dense, &self.free, self.outline.equations, &place, Wanted::All);
-        for column in 0..self.pattern.colour.len() {
-            let rows = self.pattern.rows(column);
-            let name = match column.checked_sub(self.free.len()) {
-                None => &self.specs[column].name,
-                Some(joint) => &self.outline.joints[joint].name,
-            };
-            let hidden = |row: &usize| !rows.contains(row) && d.columns[(*row, column)] != 0.0;
-            if let Some(row) = (0..self.outline.equations).find(hidden) {
-                let value = d.columns[(row, column)];
-                return Err(GeometryError::HiddenDependence { row: row + 1, column: name.clone(), value });
-            }
-        }
-        Ok(())
-    }
-
     fn inner(&self, pose: &Pose) -> Pose {
-        match &self.mounting {
-            Some((base, target)) => base.inverse().compose(pose).compose(&target.inverse()),
-            None => *pose,
-        }
+        self.mounting.map_or(*pose, |m| m.inner(pose))
     }
 
     fn outer(&self, pose: &Pose) -> Pose {
-        match &self.mounting {
-            Some((base, target)) => base.compose(pose).compose(target),
-            None => *pose,
-        }
+        self.mounting.map_or(*pose, |m| m.outer(pose))
     }
 
     /// The mechanism's own pose whose controlled coordinates serve a pose as it is measured. Where the joints do not control
@@ -209,18 +169,6 @@ impl<C: Closure> ClosureMechanism<C> {
             }
         }
         Ok(inner)
-    }
-
-    /// Small motion of the platform in its own frames per small motion as it is measured.
-    fn inner_motion(&self, pose: &Pose, inner: &Pose) -> Option<Matrix6<f64>> {
-        let (base, _) = self.mounting.as_ref()?;
-        let back: Matrix3<f64> = *base.rotation.inverse().matrix();
-        let arm = base.place(&inner.position) - pose.position;
-        let mut m = Matrix6::zeros();
-        m.fixed_view_mut::<3, 3>(0, 0).copy_from(&back);
-        m.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-back * arm.cross_matrix()));
-        m.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
-        Some(m)
     }
 
     /// All parameters, with those that are identified at `c`.
@@ -259,40 +207,6 @@ impl<C: Closure> ClosureMechanism<C> {
         let dependent: Vec<usize> = (0..6).filter(|k| !self.outline.controlled[*k]).collect();
         root(&AtParameters { mechanism: self, all, at }, pose, &dependent, &self.home, self.size)
     }
-}
-
-fn check(outline: &Outline, all: &[f64], free: &[usize]) -> Result<(), GeometryError> {
-    let wrong = |problem: String| Err(GeometryError::Outline(problem));
-    let (m, p) = (outline.equations, outline.passive.len());
-    if m < 6 + p {
-        return wrong(format!(
-            "{m} closure equations cannot hold a platform with {p} passive coordinates; state at least {} (structural rows count)",
-            6 + p
-        ));
-    }
-    if free.is_empty() || outline.joints.is_empty() {
-        return wrong("there is no parameter to identify, or no joint".into());
-    }
-    if outline.home_joints.len() != outline.joints.len() {
-        return wrong(format!(
-            "{} joints and {} joint coordinates near home",
-            outline.joints.len(),
-            outline.home_joints.len()
-        ));
-    }
-    for (k, spec) in outline.parameters.iter().enumerate() {
-        if outline.parameters[..k].iter().any(|s| s.name == spec.name) {
-            return wrong(format!("two parameters are called {}", spec.name));
-        }
-        if !all[k].is_finite() {
-            return wrong(format!("{} is {}; a mechanism needs a number", spec.name, all[k]));
-        }
-    }
-    let numbers = outline.home_joints.iter().chain(&outline.passive);
-    if !outline.home.is_finite() || numbers.clone().any(|v| !v.is_finite()) {
-        return wrong("home is not made of finite numbers".into());
-    }
-    Ok(())
 }
 
 /// The closure with its parameters held.
@@ -365,19 +279,13 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
     }
 
     fn platform_points(&self) -> Vec<Vector3<f64>> {
-        let mut points: BTreeMap<usize, Vector3<f64>> = BTreeMap::new();
-        for (spec, value) in self.outline.parameters.iter().zip(&self.all) {
-            if let ParameterRole::PlatformPoint { leg, axis } = spec.role {
-                points.entry(leg).or_insert_with(Vector3::zeros)[axis.index()] = *value;
-            }
-        }
-        points.into_values().collect()
+        let points = Body::Platform.points_among(&self.outline.parameters, &self.all);
+        points.into_iter().map(|(_, point)| point).collect()
     }
 
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
         let mut other = self.clone();
-        let (old_base, old_target) = self.mounting.unwrap_or((Pose::identity(), Pose::identity()));
-        other.mounting = Some((base.compose(&old_base), old_target.compose(target)));
+        other.mounting = Some(self.mounting.unwrap_or_default().within(base, target));
         other.outer_home = base.compose(&self.outer_home).compose(target);
         Some(Box::new(other))
     }
@@ -387,8 +295,8 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         let all = self.with_parameters(c);
         let d = self.rows_at(&all, joints, &inner, at, (&self.pattern, &self.free, Wanted::All));
         out.residual.copy_from(&d.residual);
-        match self.inner_motion(pose, &inner) {
-            Some(motion) => out.motion.copy_from(&(&d.motion * motion)),
+        match &self.mounting {
+            Some(m) => out.motion.copy_from(&(&d.motion * m.inner_motion(pose, &inner))),
             None => out.motion.copy_from(&d.motion),
         }
         let (parameters, joints) = (self.free.len(), joints.len());
@@ -412,15 +320,10 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         let all = self.with_parameters(c);
         let d = self.rows_at(&all, joints, &inner, at, (&self.pattern, &self.free, Wanted::All));
         let mut motion: Matrix6<f64> = d.motion.fixed_view::<6, 6>(0, 0).into_owned();
-        if let Some(seen) = self.inner_motion(pose, &inner) {
-            motion *= seen;
+        if let Some(m) = &self.mounting {
+            motion *= m.inner_motion(pose, &inner);
         }
-        let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
-        let inverse = motion.try_inverse().ok_or(singular(0.0))?;
-        let ratio = 1.0 / (inverse.norm() * motion.norm());
-        if !(ratio > SINGULAR) {
-            return Err(singular(ratio));
-        }
+        let inverse = inverse_motion(&motion)?;
         let (parameters, joints) = (out.parameters.column_iter_mut(), out.joints.column_iter_mut());
         for (column, mut to) in parameters.chain(joints).enumerate() {
             let mut moved = Vector6::zeros();

@@ -44,10 +44,12 @@
 //! share no row then travel in one lane (Curtis, Powell and Reid 1974), which makes the derivatives of a closure of six
 //! legs about as cheap as those of one leg. What it says is checked when the mechanism is made.
 
+mod check;
 mod evaluation;
 mod inverse;
 mod lanes;
 mod made;
+mod mounting;
 mod outline;
 mod passive;
 mod pattern;
