@@ -70,8 +70,7 @@ pub(super) fn check_keys(r: &Reader<'_>, kind: &str, legs: &[LegEntry]) -> Resul
 /// The tolerances of a document, SI.
 fn tolerances(r: &Reader<'_>, document: &MechanismDocument) -> Result<Option<Tolerances>, FileError> {
     let Some(t) = &document.tolerance else { return Ok(None) };
-    let anchor = r.length.to_si(r.known("[tolerance] anchor", t.anchor)?);
-    let length = t.length.map(|v| r.known("[tolerance] length", v)).transpose()?;
+    let (anchor, length) = r.tolerance(t)?;
     let angle = t.angle.map(|v| r.known("[tolerance] angle", v)).transpose()?;
     let radii = |point: fn(&LegEntry) -> &[f64; 3]| {
         let n = document.legs.len().max(1) as f64;
@@ -80,7 +79,7 @@ fn tolerances(r: &Reader<'_>, document: &MechanismDocument) -> Result<Option<Tol
     let radius = Some(radii(|l| &l.platform)).filter(|v| *v > 0.0).unwrap_or_else(|| radii(|l| &l.base));
     Ok(Some(Tolerances {
         anchor,
-        length: length.map_or(anchor, |v| r.length.to_si(v)),
+        length,
         angle: angle.map_or(anchor / radius.max(f64::MIN_POSITIVE), |v| r.angle.to_si(v)),
     }))
 }

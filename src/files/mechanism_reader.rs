@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::document::{LegEntry, MechanismDocument};
+use super::document::{LegEntry, MechanismDocument, ToleranceSection};
 use super::error::FileError;
 use super::joint_columns::check_joints;
 use super::kinds::{self, KINDS, check_keys};
@@ -72,6 +72,13 @@ impl Reader<'_> {
             self.finite(place, *v)?;
         }
         Ok(Vector3::from_column_slice(p).map(|v| self.length.to_si(v)))
+    }
+
+    /// Tolerance of an anchor and of a length; that of an anchor where none is stated.
+    pub(super) fn tolerance(&self, t: &ToleranceSection) -> Result<(f64, f64), FileError> {
+        let anchor = self.length.to_si(self.known("[tolerance] anchor", t.anchor)?);
+        let length = t.length.map(|v| self.known("[tolerance] length", v)).transpose()?;
+        Ok((anchor, length.map_or(anchor, |v| self.length.to_si(v))))
     }
 
     fn unit_of_joints(&self, mechanism: &dyn Mechanism) -> Unit {
@@ -149,14 +156,7 @@ fn six_hardpoint(
     if !document.shared_anchors {
         check_distinct_anchors(&legs).map_err(|cause| equal_anchors(r, cause))?;
     }
-    let tolerance = match &document.tolerance {
-        None => None,
-        Some(t) => {
-            let anchor = r.length.to_si(r.known("[tolerance] anchor", t.anchor)?);
-            let length = t.length.map(|v| r.known("[tolerance] length", v)).transpose()?;
-            Some((anchor, length.map_or(anchor, |v| r.length.to_si(v))))
-        }
-    };
+    let tolerance = document.tolerance.as_ref().map(|t| r.tolerance(t)).transpose()?;
     let mechanism =
         SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
     warned.extend(warnings(&mechanism, &legs));

@@ -10,7 +10,7 @@ use super::finding::{FindingKind as K, Findings};
 use super::model::{Bodies, Model};
 
 /// What stands between base and platform, or hangs on one of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     pub(super) bodies: Vec<usize>,
     /// Edges with at least one end in the part, or between base and platform.
@@ -114,14 +114,7 @@ impl<'a> Graph<'a> {
             if part_of[start] != usize::MAX {
                 continue;
             }
-            let mut part = Part {
-                bodies: vec![start],
-                edges: vec![],
-                touches: [false; 2],
-                slides: vec![],
-                passive_slides: vec![],
-                dead_ends: vec![],
-            };
+            let mut part = Part { bodies: vec![start], ..Part::default() };
             part_of[start] = parts.len();
             let mut at = 0;
             while at < part.bodies.len() {
@@ -143,15 +136,7 @@ impl<'a> Graph<'a> {
         }
         // A joint straight from base to platform is a leg without a body of its own.
         let straight = self.around[base].iter().filter(|(_, other)| *other == platform);
-        let straight = straight.map(|(edge, _)| Part {
-            bodies: vec![],
-            edges: vec![*edge],
-            touches: [true; 2],
-            slides: vec![],
-            passive_slides: vec![],
-            dead_ends: vec![],
-        });
-        parts.extend(straight);
+        parts.extend(straight.map(|(edge, _)| Part { edges: vec![*edge], touches: [true; 2], ..Part::default() }));
         for part in &mut parts {
             part.edges.sort_unstable();
             part.edges.dedup();
