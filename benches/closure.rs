@@ -1,17 +1,22 @@
 //! What it costs to state a mechanism by one closure function: motion blocks `J_b` of the paper's mechanism by dual
 //! numbers against the closed form, in one run that alternates between them; and forward kinematics likewise.
 
+mod common;
+// The mechanism that the tests compare with the closed form, too.
+#[allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
+#[path = "../tests/common/kinds.rs"]
+mod kinds;
+
 use std::error::Error;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use common::interleaved;
 use criterion::Criterion;
 use paracal::conditions::Conditions;
 use paracal::files::Machine;
-use paracal::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
-use paracal::mechanism::{Leg, Mechanism, MotionBlock, ParameterRole, SixHardpoint};
+use paracal::mechanism::{Mechanism, MotionBlock, SixHardpoint};
 use paracal::pose::Pose;
-use paracal::units::Dimension;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -21,62 +26,12 @@ const BATCHES: usize = 1000;
 /// What a motion block may cost, in units of the closed form.
 const ALLOWED: f64 = 4.0;
 
-/// The paper's mechanism as one function.
-#[derive(Clone, Debug)]
-struct Hardpoint {
-    lengths: Vec<f64>,
-}
-
-impl Closure for Hardpoint {
-    #[inline(always)]
-    fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
-        for (leg, row) in out.iter_mut().enumerate() {
-            let l = s.place(&s.point(7 * leg)) - s.point(7 * leg + 4);
-            *row = length(&l) - s.joints[leg] - s.parameters[7 * leg + 3] + self.lengths[leg];
-        }
-    }
-
-    fn depends(&self, row: usize, on: Column) -> bool {
-        match on {
-            Column::Parameter(k) => k / 7 == row,
-            Column::Joint(k) => k == row,
-        }
-    }
-}
-
-fn as_closure(legs: &[Leg], home: Pose) -> Result<ClosureMechanism<Hardpoint>, Box<dyn Error>> {
-    let mut outline = Outline::new("six hardpoints as a closure", 6, home);
-    for (leg, l) in legs.iter().enumerate() {
-        let role = ParameterRole::JointOffset { leg };
-        outline = outline
-            .platform_point(leg, l.platform.into(), None)
-            .parameter(format!("h{}", leg + 1), Dimension::Length, l.length, None, role)
-            .base_point(leg, l.base.into(), None)
-            .joint(Dimension::Length, l.length, l.stroke);
-    }
-    Ok(ClosureMechanism::new(Hardpoint { lengths: legs.iter().map(|l| l.length).collect() }, outline)?)
-}
-
-/// Shortest time of each, alternating, and the median of the ratios of neighbours.
-fn interleaved(mut first: impl FnMut(), mut second: impl FnMut()) -> (Duration, Duration, f64) {
-    let timed = |f: &mut dyn FnMut()| {
-        let start = Instant::now();
-        f();
-        start.elapsed()
-    };
-    let times: Vec<_> = (0..BATCHES).map(|_| (timed(&mut first), timed(&mut second))).collect();
-    let mut ratios: Vec<f64> = times.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
-    ratios.sort_by(f64::total_cmp);
-    let (a, b) = times.iter().fold((Duration::MAX, Duration::MAX), |(a, b), t| (a.min(t.0), b.min(t.1)));
-    (a, b, ratios[ratios.len() / 2])
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     let machine = Machine::read(MECHANISM)?;
     let space = machine.workspace.ok_or("the file states no workspace")?;
     let any: &dyn std::any::Any = machine.mechanism.as_ref();
     let closed: &SixHardpoint = any.downcast_ref().ok_or("the file states another kind of mechanism")?;
-    let closure = as_closure(&closed.to_legs(), closed.home())?;
+    let closure = kinds::hardpoint(&closed.to_legs(), closed.home());
     let (c, at) = (closed.values(), Conditions::unknown());
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let poses: Vec<Pose> = (0..POSES).map(|_| space.random(&mut rng)).collect();
@@ -112,8 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         };
         let wanted = format!(" (at most {ALLOWED} wanted)");
-        say("motion block", interleaved(|| blocks(&closure, &mut a), || blocks(closed, &mut b)), &wanted);
-        say("forward kinematics", interleaved(|| forward(&closure), || forward(closed)), "");
+        say("motion block", interleaved(BATCHES, 1, || blocks(&closure, &mut a), || blocks(closed, &mut b)), &wanted);
+        say("forward kinematics", interleaved(BATCHES, 1, || forward(&closure), || forward(closed)), "");
     }
     criterion.final_summary();
     Ok(())

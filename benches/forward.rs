@@ -5,10 +5,13 @@
 //! two is taken in one run that alternates between them, because single timings on a shared machine differ by
 //! more than the two do.
 
+mod common;
+
 use std::error::Error;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use common::interleaved;
 use criterion::Criterion;
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 use paracal::conditions::Conditions;
@@ -55,20 +58,6 @@ fn newton_by_hand(legs: &[Leg], lengths: &[f64], start: &Pose) -> Option<(Vector
     None
 }
 
-/// Shortest time of each, alternating, and the median of the ratios of neighbours.
-fn interleaved(mut first: impl FnMut(), mut second: impl FnMut()) -> (Duration, Duration, f64) {
-    let timed = |f: &mut dyn FnMut()| {
-        let start = Instant::now();
-        (0..PASSES).for_each(|_| f());
-        start.elapsed()
-    };
-    let times: Vec<_> = (0..BATCHES).map(|_| (timed(&mut first), timed(&mut second))).collect();
-    let mut ratios: Vec<f64> = times.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
-    ratios.sort_by(f64::total_cmp);
-    let (a, b) = times.iter().fold((Duration::MAX, Duration::MAX), |(a, b), t| (a.min(t.0), b.min(t.1)));
-    (a, b, ratios[ratios.len() / 2])
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     let machine = Machine::read(MECHANISM)?;
     let any: &dyn std::any::Any = machine.mechanism.as_ref();
@@ -107,7 +96,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     group.finish();
     // Without this argument criterion only checks that everything runs.
     if std::env::args().any(|a| a == "--bench") {
-        let (a, b, median) = interleaved(library, by_hand);
+        let (a, b, median) = interleaved(BATCHES, PASSES, library, by_hand);
         let micro = |d: Duration| 1e6 * d.as_secs_f64() / (PASSES * POSES) as f64;
         let ratio = a.as_secs_f64() / b.as_secs_f64();
         println!(

@@ -4,10 +4,13 @@
 //! 42 unknowns: the least that any method must pay which treats the problem as linear. The ratio is taken in one
 //! run that alternates between the two, because single timings on a shared machine differ by more than they do.
 
+mod common;
+
 use std::error::Error;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
+use common::interleaved;
 use criterion::Criterion;
 use nalgebra::{DMatrix, DVector};
 use paracal::files::{Machine, read_measurement};
@@ -77,16 +80,6 @@ fn timed<T>(f: impl FnOnce() -> T) -> (Duration, T) {
     (start.elapsed(), value)
 }
 
-/// Shortest time of each, alternating, and the median of the ratios of neighbours.
-fn interleaved<A, B>(first: impl Fn() -> A, second: impl Fn() -> B) -> (Duration, Duration, f64) {
-    let pair = || (timed(|| black_box(first())).0, timed(|| black_box(second())).0);
-    let times: Vec<_> = (0..BATCHES).map(|_| pair()).collect();
-    let mut ratios: Vec<f64> = times.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
-    ratios.sort_by(f64::total_cmp);
-    let (a, b) = times.iter().fold((Duration::MAX, Duration::MAX), |(a, b), t| (a.min(t.0), b.min(t.1)));
-    (a, b, ratios[ratios.len() / 2])
-}
-
 fn main() -> Result<(), Box<dyn Error>> {
     let machine = Machine::read(MECHANISM)?;
     let mechanism = machine.mechanism.as_ref();
@@ -105,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     group.finish();
     // Without this argument criterion only checks that everything runs.
     if std::env::args().any(|a| a == "--bench") {
-        let (a, b, median) = interleaved(calibration, decomposition);
+        let (a, b, median) = interleaved(BATCHES, 1, calibration, decomposition);
         let (a, b) = (1e6 * a.as_secs_f64(), 1e6 * b.as_secs_f64());
         println!(
             "identification, interleaved: calibration {a:.0} us, one SVD {b:.0} us; ratio {:.2} of the minima, \
