@@ -35,6 +35,8 @@ fn the_six_hardpoint_mechanisms_conform() {
         let m = common::machine(name);
         conformance::mechanism(m.mechanism.as_ref(), &m.workspace.unwrap()).unwrap_or_else(|v| panic!("{name}: {v}"));
     }
+    let m = paracal::files::Machine::read(common::path("mechanisms/desk-hexapod.urdf")).unwrap();
+    conformance::mechanism(m.mechanism.as_ref(), &m.workspace.unwrap()).unwrap();
 }
 
 #[test]

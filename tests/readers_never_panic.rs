@@ -295,12 +295,23 @@ fn very_large_tables() {
     }
 }
 
+/// A mechanism file of every kind.
+fn mechanism_texts() -> Vec<&'static str> {
+    const KINDS: [&str; 4] = [
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/rotary-stewart.toml")),
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/linear-delta.toml")),
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/tripod-3rps.toml")),
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/planar-cables.toml")),
+    ];
+    [MECHANISM, &RICH_MECHANISM].into_iter().chain(KINDS).collect()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     /// What is accepted can also be written and read again.
     #[test]
-    fn mechanism_files(text in bad_text(vec![MECHANISM, &RICH_MECHANISM])) {
+    fn mechanism_files(text in bad_text(mechanism_texts())) {
         let path = Path::new("bad.toml");
         let text = String::from_utf8_lossy(&text).into_owned();
         match in_time(move || Machine::from_text(&text, path))? {
@@ -315,7 +326,7 @@ proptest! {
     }
 
     #[test]
-    fn mechanism_files_of_any_bytes(text in bad_text(vec![MECHANISM, &RICH_MECHANISM])) {
+    fn mechanism_files_of_any_bytes(text in bad_text(mechanism_texts())) {
         let (_folder, path) = file("bad.toml", &text);
         let named = path.clone();
         if let Err(error) = in_time(move || Machine::read(path))? {
