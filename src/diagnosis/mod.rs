@@ -1,0 +1,1 @@
+//! From residuals to causes: what the model gets wrong, and why.
