@@ -151,7 +151,9 @@ impl Extended {
         let mut first = 0;
         for effect in &self.effects {
             let values = &theta[first..first + effect.values.len()];
-            effect.effect.perturb(values, &effect.at, &site, &mut sum);
+            if values.iter().any(|v| *v != 0.0) {
+                effect.effect.perturb(values, &effect.at, &site, &mut sum);
+            }
             first += effect.values.len();
         }
         Ok(sum)
