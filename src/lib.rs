@@ -40,9 +40,11 @@
 //! | [`solve`] | argmin solvers with typed outcomes; they know no mechanism |
 //! | [`mechanism`] | the trait [`mechanism::Mechanism`], its kinematics, [`mechanism::SixHardpoint`] |
 //! | [`measurement`] | samples, readings, noise; the trait [`measurement::MeasurementModel`] |
+//! | [`effect`] | the trait [`effect::Effect`], the catalogue of causes, [`effect::Extended`] mechanisms |
 //! | [`observability`] | the trait [`observability::ObservabilityIndex`], O1–O5, the predicted pose error, fast scans |
 //! | [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
 //! | [`selection`] | the trait [`selection::PoseSelector`], candidates, the certified bound |
+//! | [`diagnosis`] | what the model gets wrong, and why: [`diagnosis::diagnose`] |
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo |
 //! | [`files`] | mechanism files (TOML, URDF), measurements and pose lists (CSV) |
 //! | [`report`] | results as text and JSON |
@@ -72,6 +74,8 @@
 pub mod conditions;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+pub mod diagnosis;
+pub mod effect;
 pub mod files;
 pub mod identification;
 pub mod measurement;

@@ -21,6 +21,18 @@ pub enum Dimension {
     Mass,
     /// Newtons inside.
     Force,
+    /// Expansion per kelvin.
+    PerKelvin,
+    /// Length per kelvin.
+    LengthPerKelvin,
+    /// Angle per kelvin.
+    AnglePerKelvin,
+    /// Curvature: one over a length.
+    PerLength,
+    /// Metres per newton.
+    Compliance,
+    /// Length per angle.
+    LengthPerAngle,
     /// A plain number.
     None,
 }
@@ -35,6 +47,12 @@ impl Dimension {
             Self::Temperature => "degC",
             Self::Mass => "kg",
             Self::Force => "N",
+            Self::PerKelvin => "1/K",
+            Self::LengthPerKelvin => "m/K",
+            Self::AnglePerKelvin => "rad/K",
+            Self::PerLength => "1/m",
+            Self::Compliance => "m/N",
+            Self::LengthPerAngle => "m/rad",
             Self::None => "1",
         }
     }

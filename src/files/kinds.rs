@@ -344,7 +344,7 @@ pub(super) fn write(values: &[(ParameterSpec, f64)], r: &Reader<'_>, legs: &mut 
                 "n" => l.hinge_tilt[1] = v,
                 _ => l.length = Some(v),
             }),
-            ParameterRole::Other => None,
+            ParameterRole::PoseOffset { .. } | ParameterRole::Other => None,
         };
     }
 }

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::IdentifyError;
-use crate::mechanism::{Body, Mechanism, rigid_directions};
+use crate::mechanism::{Body, Mechanism, ParameterSpec, characteristic_length, rigid_directions};
+use crate::units::Dimension;
 
 /// Where prior knowledge comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -106,6 +107,61 @@ impl Prior {
             rows.set_column(*k, &(precision.column(column) / scale[*k]));
         }
         Ok(Self { centre: mechanism.values().to_vec(), rows, held: None })
+    }
+
+    /// A prior for a search through causes: each parameter lies within `factor` tolerances of its start, and rigid motions
+    /// are as good as free. Parameters without a tolerance get a width that only keeps them finite: a hundredth of
+    /// the size of the mechanism for lengths, a hundredth of a radian for angles, a tenth of their value otherwise.
+    pub fn wide(mechanism: &dyn Mechanism, factor: f64) -> Self {
+        let size = characteristic_length(mechanism);
+        let specs = mechanism.parameters();
+        let width = |spec: &ParameterSpec, value: f64| {
+            spec.tolerance.map_or_else(
+                || match spec.dimension {
+                    Dimension::Length => 1e-2 * size,
+                    Dimension::Angle => 1e-2,
+                    _ => 0.1 * value.abs().max(1e-3),
+                },
+                |t| factor * t,
+            )
+        };
+        let widths: Vec<f64> = specs.iter().zip(mechanism.values()).map(|(s, v)| width(s, *v)).collect();
+        let mut rows = DMatrix::identity(widths.len(), widths.len());
+        let columns: Vec<DVector<f64>> = [Body::Platform, Body::Base]
+            .into_iter()
+            .flat_map(|body| rigid_directions(mechanism, body, &widths))
+            .filter(|d| d.norm() > 0.0)
+            .collect();
+        if !columns.is_empty() && columns.len() <= widths.len() {
+            let q = DMatrix::from_columns(&columns).qr().q();
+            rows -= &q * q.transpose() * (1.0 - 1.0 / WIDE);
+        }
+        for (k, w) in widths.iter().enumerate() {
+            rows.column_mut(k).unscale_mut(*w);
+        }
+        Self { centre: mechanism.values().to_vec(), rows, held: None }
+    }
+
+    /// The same for a mechanism with further parameters, of which nothing is known.
+    #[must_use]
+    pub fn for_more_parameters(&self, count: usize) -> Self {
+        let rows = self.rows.clone().resize_horizontally(count, 0.0);
+        let mut centre = self.centre.clone();
+        centre.resize(count, 0.0);
+        Self { centre, rows, ..self.clone() }
+    }
+
+    /// `Mᵀ M` and `Mᵀ M (x - x₀)` at parameters `x`, for so many unknowns of which these are the first.
+    pub fn quadratic(&self, x: &[f64], unknowns: usize) -> (DMatrix<f64>, DVector<f64>) {
+        let n = self.rows.ncols();
+        let mut precision = DMatrix::zeros(unknowns, unknowns);
+        precision.view_mut((0, 0), (n, n)).copy_from(&self.rows.tr_mul(&self.rows));
+        let mut shift = DVector::zeros(unknowns);
+        for (k, (x, c)) in x.iter().zip(&self.centre).enumerate() {
+            shift[k] = x - c;
+        }
+        let gradient = &precision * shift;
+        (precision, gradient)
     }
 
     /// Holds directions (columns, in parameters over `scale`) at the values of a mechanism. This brings no knowledge

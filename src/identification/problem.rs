@@ -177,6 +177,23 @@ impl<'a> CalibrationProblem<'a> {
         self.kinds.iter().map(next).collect()
     }
 
+    /// What each data row measures.
+    pub fn row_kinds(&self) -> Vec<RowKind> {
+        self.kinds.iter().flatten().copied().collect()
+    }
+
+    /// For each sample the matrix (k × k) that turns whitened rows back into SI.
+    pub fn unwhitening(&self) -> Vec<DMatrix<f64>> {
+        let back = |w: &Whitening| match w {
+            Whitening::Diagonal(factors) => DMatrix::from_diagonal(&factors.map(|f| 1.0 / f)),
+            // Lower triangular with a positive diagonal.
+            Whitening::Lower(w) => w
+                .solve_lower_triangular(&DMatrix::identity(w.nrows(), w.nrows()))
+                .unwrap_or_else(|| DMatrix::zeros(w.nrows(), w.nrows())),
+        };
+        self.whitening.iter().map(back).collect()
+    }
+
     /// Multiplies the rows of each sample by the square root of its weight.
     pub fn weigh_samples(&mut self, weights: &[f64]) {
         self.sample_weights = weights.iter().map(|w| w.sqrt()).collect();

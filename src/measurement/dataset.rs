@@ -89,6 +89,21 @@ impl Dataset {
         Self { kept: positions.iter().map(|&k| self.kept[k]).collect(), ..self.clone() }
     }
 
+    /// All samples of the measurement, kept or not.
+    pub fn all_samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// The same data with another model of the same readings.
+    ///
+    /// # Panics
+    /// If the model has another number of samples, which is a mistake of the caller.
+    #[allow(clippy::panic)]
+    pub fn with_model(&self, model: Arc<dyn MeasurementModel>) -> Self {
+        assert_eq!(self.samples.len(), model.samples(), "one reading for each sample");
+        Self { model, ..self.clone() }
+    }
+
     /// The same data seen with these frames.
     pub fn with_frames(&self, frames: Frames) -> Self {
         Self { frames, ..self.clone() }

@@ -56,6 +56,11 @@ pub enum ParameterRole {
         /// Leg.
         leg: usize,
     },
+    /// An offset of a coordinate of the pose, where the joints are the coordinates themselves.
+    PoseOffset {
+        /// Coordinate: x, y, z, α, β, γ.
+        coordinate: usize,
+    },
     /// Anything else.
     Other,
 }
@@ -69,7 +74,7 @@ impl ParameterRole {
             | Self::JointOffset { leg }
             | Self::JointScale { leg }
             | Self::LegDimension { leg } => Some(leg),
-            Self::Other => None,
+            Self::PoseOffset { .. } | Self::Other => None,
         }
     }
 }

@@ -1,0 +1,46 @@
+//! What keeps a diagnosis from being made.
+
+use thiserror::Error;
+
+use crate::identification::IdentifyError;
+use crate::mechanism::GeometryError;
+
+/// No diagnosis.
+#[derive(Clone, Debug, Error)]
+pub enum DiagnoseError {
+    /// The data leave nothing to look at after the kinematic parameters.
+    #[error(
+        "{samples} samples give {rows} rows, which leaves {free:.0} degrees of freedom after the parameters; at least \
+         {needed} are needed to look for causes: measure more poses"
+    )]
+    TooFewRows {
+        /// Samples.
+        samples: usize,
+        /// Rows.
+        rows: usize,
+        /// What is left.
+        free: f64,
+        /// What is needed.
+        needed: usize,
+    },
+    /// Many samples do not agree with any model, so that none can be judged.
+    #[error(
+        "{outliers} of {samples} samples do not fit together with the others; no cause can be named from the rest: check \
+         the file"
+    )]
+    NothingFits {
+        /// Samples that were left out.
+        outliers: usize,
+        /// All samples.
+        samples: usize,
+    },
+    /// The baseline could not be identified.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// A mechanism of identified values does not exist.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A matrix that should be positive definite is not.
+    #[error("the normal equations of the baseline are singular; state [tolerance], or measure more poses")]
+    Singular,
+}

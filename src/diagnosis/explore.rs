@@ -1,0 +1,182 @@
+//! Names and outliers in turn, until both stay.
+
+use super::DiagnoseError;
+use super::model::{Candidate, Fitting, Model};
+use super::outliers::{outliers, suspicious};
+use super::remainder;
+use super::search::Search;
+use super::table::{Point, Subject, Table};
+use crate::effect::ActiveEffect;
+use crate::identification::IdentifyError;
+use crate::solve::SolveError;
+
+/// Times that the columns are computed anew.
+const ROUNDS: usize = 3;
+/// Additions and re-judgements of outliers in one round.
+const STEPS: usize = 8;
+/// Degrees of freedom below which nothing is looked for.
+const FEWEST: usize = 12;
+
+/// Runs the search on a subject.
+pub(super) struct Explorer<'a> {
+    pub(super) subject: &'a Subject<'a>,
+    /// True if the noise is as stated.
+    pub(super) known: bool,
+}
+
+/// Where the search ended.
+#[derive(Debug)]
+pub(super) struct Explored {
+    /// The columns at the end, with the effects' share taken out of the residual; every sample is in it.
+    pub(super) full: Table,
+    /// The same without the samples that were left out.
+    pub(super) table: Table,
+    pub(super) names: Vec<Candidate>,
+    pub(super) left_out: Vec<usize>,
+    pub(super) fitting: Fitting,
+    pub(super) point: Point,
+    /// Correlation from row to row that was found, if any.
+    pub(super) correlation: Option<f64>,
+}
+
+impl Explored {
+    /// The model of the names.
+    pub(super) fn model(&self, subject: &Subject<'_>, names: Vec<Candidate>) -> Result<Model<'_>, DiagnoseError> {
+        Model::fit(&self.table, &subject.groups, names, &self.fitting)
+    }
+}
+
+impl Explorer<'_> {
+    /// The search, and again where outliers or correlated rows ask for it.
+    pub(super) fn explore_with_care(&self) -> Result<Explored, DiagnoseError> {
+        let mut explored = self.explore(true, 1.0)?;
+        let samples = explored.full.samples();
+        if suspicious(&explored.left_out, samples) {
+            let untrimmed = self.explore(false, 1.0)?;
+            if self.cost(&untrimmed, &explored)? < self.cost(&explored, &untrimmed)? {
+                explored = untrimmed;
+            }
+        }
+        if 3 * explored.left_out.len() > samples {
+            return Err(DiagnoseError::NothingFits { outliers: explored.left_out.len(), samples });
+        }
+        let model = explored.model(self.subject, explored.names.clone())?;
+        if let Some(rho) = remainder::correlation(&model, &explored.left_out) {
+            let trimmed = !explored.left_out.is_empty();
+            explored = self.explore(trimmed, (1.0 + rho) / (1.0 - rho))?;
+            explored.correlation = Some(rho);
+        }
+        Ok(explored)
+    }
+
+    /// What an explanation costs: its misfit, its parameters, and six mean shifts for every discarded pose, with the noise
+    /// that the better of the two leaves.
+    fn cost(&self, one: &Explored, other: &Explored) -> Result<f64, DiagnoseError> {
+        let of = |e: &Explored| -> Result<(f64, f64, f64), DiagnoseError> {
+            let model = e.model(self.subject, e.names.clone())?;
+            let shifts: usize = e.left_out.iter().map(|k| e.full.rows[*k].1).sum();
+            let values: usize = e.names.iter().map(|n| self.subject.groups[n.group].parameters.len()).sum();
+            Ok((model.noise.rss, model.noise.variance(), (shifts + values) as f64))
+        };
+        let ((rss, variance, paid), (_, others, _)) = (of(one)?, of(other)?);
+        Ok(rss / variance.min(others) + paid * (one.full.r.len() as f64).ln())
+    }
+
+    fn explore(&self, trim: bool, inflation: f64) -> Result<Explored, DiagnoseError> {
+        let subject = self.subject;
+        let everyone: Vec<usize> = (0..subject.data.len()).collect();
+        let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
+        let mut point = subject.fit(&start, &everyone)?;
+        let mut names: Vec<Candidate> = Vec::new();
+        let mut left_out: Vec<usize> = Vec::new();
+        let mut last: Option<Explored> = None;
+        for round in 0..ROUNDS {
+            let mut full = match (subject.table(&point), last.take()) {
+                (Ok(table), _) => table,
+                // Effects that lead nowhere keep the columns that they were found with.
+                (Err(DiagnoseError::Identify(IdentifyError::Solve(SolveError::Evaluation { .. }))), Some(before)) => {
+                    return Ok(before);
+                }
+                (Err(error), _) => return Err(error),
+            };
+            for (name, effect) in names.iter().zip(&point.effects) {
+                let columns = super::model::columns_of(&full, &subject.groups, name);
+                full.r -= columns * nalgebra::DVector::from_column_slice(&effect.values);
+            }
+            let mut fitting = Fitting { rows: full.r.len(), scale: point.scale, inflation, known: self.known };
+            let before = (names.clone(), left_out.clone());
+            let mut table = full.clone();
+            for _ in 0..STEPS {
+                if trim {
+                    (left_out, fitting.scale) = outliers(&full, &subject.groups, &names, &fitting, &left_out)?;
+                } else if !self.known {
+                    let model = Model::fit(&full, &subject.groups, names.clone(), &fitting)?;
+                    fitting.scale = model.noise.variance().sqrt();
+                }
+                table = full.without(&left_out);
+                fitting.rows = full.count(&left_out);
+                let search = Search { table: &table, groups: &subject.groups, fitting };
+                self.check_freedom(&search, &names)?;
+                match search.step(&names)? {
+                    Some(next) if next != names => names = next,
+                    _ => break,
+                }
+            }
+            point.scale = fitting.scale;
+            let settled = before == (names.clone(), left_out.clone());
+            let model = Model::fit(&table, &subject.groups, names.clone(), &fitting)?;
+            let effects = self.effects(&full, &model, &names);
+            drop(model);
+            let explored = Explored {
+                full,
+                table,
+                names: names.clone(),
+                left_out: left_out.clone(),
+                fitting,
+                point: Point { effects: effects.clone(), ..point.clone() },
+                correlation: None,
+            };
+            if settled || round + 1 == ROUNDS {
+                return Ok(explored);
+            }
+            let kept: Vec<usize> = everyone.iter().copied().filter(|k| !left_out.contains(k)).collect();
+            point = match subject.fit(&Point { effects, ..point.clone() }, &kept) {
+                Ok(point) => point,
+                Err(DiagnoseError::Identify(IdentifyError::Solve(_))) => return Ok(explored),
+                Err(error) => return Err(error),
+            };
+            last = Some(explored);
+        }
+        // The last round returns.
+        Err(DiagnoseError::Singular)
+    }
+
+    fn check_freedom(&self, search: &Search<'_>, names: &[Candidate]) -> Result<(), DiagnoseError> {
+        let free = search.model(names.to_vec())?.noise.dof;
+        if free < FEWEST as f64 {
+            let (samples, rows) = (self.subject.data.len(), search.fitting.rows);
+            return Err(DiagnoseError::TooFewRows { samples, rows, free: free.max(0.0), needed: FEWEST });
+        }
+        Ok(())
+    }
+
+    /// The names with their values.
+    pub(super) fn effects(&self, full: &Table, model: &Model<'_>, names: &[Candidate]) -> Vec<ActiveEffect> {
+        let step = model.step();
+        let rows: Vec<usize> = self.subject.data.iter().map(|s| s.row).collect();
+        let mut at = full.nuisance;
+        let mut effects = Vec::with_capacity(names.len());
+        for name in names {
+            let group = &self.subject.groups[name.group];
+            let p = group.parameters.len();
+            effects.push(ActiveEffect {
+                effect: std::sync::Arc::clone(&group.effect),
+                at: name.at(&self.subject.groups, &rows),
+                values: step.rows(at, p).iter().copied().collect(),
+                range: std::collections::BTreeMap::new(),
+            });
+            at += p;
+        }
+        effects
+    }
+}

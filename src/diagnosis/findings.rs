@@ -1,0 +1,245 @@
+//! From the end of the search to the answer.
+
+use std::collections::BTreeMap;
+
+use super::explore::{Explored, Explorer};
+use super::gain::{folds, held_out, rms};
+use super::limits::{lambda, limit};
+use super::model::{Candidate, Model};
+use super::outliers::distances;
+use super::remainder::{covariates, noise_varies, remainder, rival, worth_of};
+use super::result::{Cause, CauseParameter, Diagnosis, Gain, NotFound, NotTestable, Rival, Unknown, Verdict};
+use super::search::{Score, TIED, scores, separability};
+use super::table::Subject;
+use super::{DiagnoseError, Question};
+use crate::effect::ActiveEffect;
+use crate::identification::Registration;
+use crate::measurement::Dataset;
+
+/// A size below this many limits is tentative.
+const TENTATIVE: f64 = 2.0;
+/// Usual sizes beyond which a value is not plausible.
+const PLAUSIBLE: f64 = 10.0;
+
+/// Puts the answer together.
+pub(super) fn findings(
+    question: &Question<'_>,
+    explorer: &Explorer<'_>,
+    explored: &Explored,
+    missing: Vec<(String, Vec<String>)>,
+    registration: &Registration,
+) -> Result<Diagnosis, DiagnoseError> {
+    let subject = explorer.subject;
+    let model = explored.model(subject, explored.names.clone())?;
+    let without = explored.model(subject, Vec::new())?;
+    let known = covariates(subject.data);
+    let mut causes = causes(subject, explored, &model)?;
+    let mut unknown = remainder(&model, &known);
+    let mut effects = explored.point.effects.clone();
+    let mut withdrawn = false;
+    if !explored.names.is_empty() {
+        let values = explored.names.iter().map(|n| subject.groups[n.group].parameters.len()).sum();
+        let worth = worth_of(&model, &without, values);
+        if let Some(found) = rival(&without, &known, worth, TIED) {
+            let names = causes.iter().map(|c| c.effect.clone()).collect();
+            unknown = Some(Unknown { withdrawn: names, ..found });
+            causes.clear();
+            effects.clear();
+            withdrawn = true;
+        }
+    }
+    let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
+    let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
+    let all = distances(&explored.full, judged, &subject.groups, &explored.left_out);
+    let verdict = match (&unknown, causes.is_empty()) {
+        (Some(_), _) => Verdict::Unknown,
+        (None, true) => Verdict::Clean,
+        (None, false) if causes.iter().any(|c| !c.tied_with.is_empty()) => Verdict::Tied,
+        (None, false) => Verdict::Named,
+    };
+    let (not_found, unseen) = not_found(subject, judged, &names, &causes);
+    let mut not_testable: Vec<NotTestable> =
+        missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
+    not_testable.extend(unseen);
+    for effect in &mut effects {
+        effect.range = range(effect, subject.data, &kept);
+    }
+    let rows: Vec<usize> = explored.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
+    let step = judged.step();
+    let specs = subject.mechanism.parameters().len();
+    let values = explored.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect();
+    let own = explored.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect();
+    let mut warnings = Vec::new();
+    if registration.applied {
+        warnings.push(
+            "the data are in another frame than the mechanism file; causes act in the base frame of the file, and an \
+             extended model is written in that frame"
+                .into(),
+        );
+    }
+    if subject.mechanism.parameters().iter().all(|p| p.tolerance.is_none()) {
+        warnings.push("the mechanism file states no [tolerance]; parameters are only kept finite".into());
+    }
+    Ok(Diagnosis {
+        verdict,
+        causes,
+        unknown,
+        misread: None,
+        outlier_rows: rows,
+        noise_varies: noise_varies(&all, &known, &kept),
+        correlation: explored.correlation,
+        gain: gain(question, &without, judged, &kept),
+        not_found,
+        not_testable,
+        before: rms(&explored.table, &without.residual, &kept),
+        after: rms(&explored.table, &judged.residual, &kept),
+        noise_scale: judged.noise.variance().sqrt(),
+        samples: subject.data.len(),
+        values,
+        own,
+        effects,
+        frames: registration.frames,
+        warnings,
+    })
+}
+
+fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
+    let step = model.step();
+    let covariance = model.effect_covariance() * (model.noise.variance() * explored.fitting.inflation);
+    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let mut all = Vec::with_capacity(explored.names.len());
+    let mut at = 0;
+    for (k, name) in explored.names.iter().enumerate() {
+        let group = &subject.groups[name.group];
+        let p = group.parameters.len();
+        let values: Vec<f64> = step.rows(model.table.nuisance + at, p).iter().copied().collect();
+        let mut others = explored.names.clone();
+        others.remove(k);
+        let without = explored.model(subject, others.clone())?;
+        let scores = scores(&without, &subject.groups);
+        let tests = scores.iter().filter(|s| s.rank > 0).count();
+        let own = &scores[name.group];
+        let place = name.at(&subject.groups, &rows);
+        let tied_with = rivals(subject, &without, &scores, name, &values, &others);
+        let lambda_limit = lambda(own.rank, tests, own.places);
+        let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
+        let parameter = |(i, spec): (usize, &crate::effect::EffectParameter)| CauseParameter {
+            name: spec.name.clone(),
+            value: values[i],
+            sigma: covariance[(at + i, at + i)].max(0.0).sqrt(),
+            dimension: spec.dimension,
+            scale: spec.scale,
+        };
+        all.push(Cause {
+            effect: group.effect.name().into(),
+            cause: group.effect.cause().into(),
+            remedy: group.effect.remedy().into(),
+            acts_on: group.effect.acts_on(),
+            leg: place.leg,
+            row: place.row,
+            of: place.covariate,
+            parameters: group.parameters.iter().enumerate().map(parameter).collect(),
+            p_value: own.p_value,
+            evidence: own.evidence,
+            tied_with,
+            size_over_limit: size,
+            tentative: size < TENTATIVE,
+            plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
+        });
+        at += p;
+    }
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Ok(all)
+}
+
+/// Names within a factor of 20 in evidence.
+fn rivals(
+    subject: &Subject<'_>,
+    without: &Model<'_>,
+    scores: &[Score],
+    name: &Candidate,
+    values: &[f64],
+    others: &[Candidate],
+) -> Vec<Rival> {
+    let own = scores[name.group].evidence;
+    let close = scores.iter().filter(|s| {
+        let c = &s.candidate;
+        c.group != name.group && s.rank > 0 && s.evidence > own - TIED && !others.contains(c)
+    });
+    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let mut tied: Vec<Rival> = close
+        .map(|s| Rival {
+            effect: subject.groups[s.candidate.group].effect.name().into(),
+            leg: s.candidate.at(&subject.groups, &rows).leg,
+            behind: own - s.evidence,
+            separability: separability(without, &subject.groups, name, values, &s.candidate),
+        })
+        .collect();
+    tied.sort_by(|a, b| a.behind.total_cmp(&b.behind));
+    tied
+}
+
+/// Effects that were not found with their limits, and those that these data cannot see.
+fn not_found(
+    subject: &Subject<'_>,
+    model: &Model<'_>,
+    names: &[Candidate],
+    causes: &[Cause],
+) -> (Vec<NotFound>, Vec<NotTestable>) {
+    let (mut found, mut unseen) = (Vec::new(), Vec::new());
+    let tests = subject.groups.len();
+    for (k, group) in subject.groups.iter().enumerate() {
+        let name = group.effect.name();
+        let tied = causes.iter().any(|c| c.tied_with.iter().any(|r| r.effect == name));
+        if tied || names.iter().any(|n| n.group == k) {
+            continue;
+        }
+        match limit(model, group, tests) {
+            Some(limit) => found.push(limit),
+            None => {
+                let covariates = group.effect.covariates(&group.places[0].at);
+                let what = if covariates.is_empty() { "what it depends on".into() } else { covariates.join(", ") };
+                let missing = vec![format!("{what} must change more than in these data")];
+                unseen.push(NotTestable { effect: name.into(), missing });
+            }
+        }
+    }
+    (found, unseen)
+}
+
+fn gain(question: &Question<'_>, without: &Model<'_>, with: &Model<'_>, kept: &[usize]) -> Gain {
+    let random = folds(kept, Some(question.seed));
+    let blocks = folds(kept, None);
+    let (before, after) = (held_out(without, &random), held_out(with, &random));
+    let (blocked_before, blocked_after) = (held_out(without, &blocks), held_out(with, &blocks));
+    let noise = &question.data.noise;
+    let floor = |sigma: f64| noise.known.then(|| 3.0_f64.sqrt() * sigma);
+    Gain {
+        position_before: before.and_then(|e| e.position),
+        position_after: after.and_then(|e| e.position),
+        rotation_before: before.and_then(|e| e.rotation),
+        rotation_after: after.and_then(|e| e.rotation),
+        blocked_position_before: blocked_before.and_then(|e| e.position),
+        blocked_position_after: blocked_after.and_then(|e| e.position),
+        noise_floor_position: floor(noise.position),
+        noise_floor_rotation: floor(noise.rotation),
+    }
+}
+
+/// Smallest and largest value of each covariate that an effect depends on.
+fn range(effect: &ActiveEffect, data: &Dataset, kept: &[usize]) -> BTreeMap<String, [f64; 2]> {
+    let mut ranges = BTreeMap::new();
+    for name in effect.effect.covariates(&effect.at) {
+        let value = |k: &usize| {
+            let conditions = &data.sample(*k).conditions;
+            if name == "temp_legs" { conditions.leg_temperature() } else { conditions.get(&name) }
+        };
+        let values: Vec<f64> = kept.iter().filter_map(value).collect();
+        if !values.is_empty() {
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            ranges.insert(name, [low, high]);
+        }
+    }
+    ranges
+}

@@ -1,0 +1,125 @@
+//! From residuals to causes: what the model gets wrong, and why.
+//!
+//! After the best kinematic parameters something is left. [`diagnose`] gives one of five answers, always:
+//!
+//! | verdict | meaning |
+//! |---|---|
+//! | clean | what is left is noise |
+//! | named | causes of the [catalogue](crate::effect::catalogue()) explain it |
+//! | tied | they do, but the data do not exclude other names |
+//! | unknown | something depends on a covariate, or sits at a leg, and no name explains it |
+//! | misread | the file was read wrongly: a sign, a unit, an order |
+//!
+//! The way there, with the file that goes it:
+//!
+//! 1. **Preflight** ([`preflight`], [`readings`]): would the file fit much better if it were read otherwise?
+//! 2. **Baseline** ([`table`]): the parameters are identified with a prior of two tolerances, which keeps the two weak
+//!    directions of each leg finite, and the columns of everything are computed once.
+//! 3. **Outliers** ([`outliers`]): samples that fit nothing, judged again after every step.
+//! 4. **Search** ([`search`]): all columns are projected off those of the parameters ([`model`]). Names are *detected*
+//!    by a test at a family-wise level with all places of a scan counted, and *chosen* by their marginal likelihood
+//!    with priors of physical size, heavy-tailed by a mixture of widths. One is added, all are tried in each other's
+//!    places, and so on; then parameters and values are identified together and the columns computed anew.
+//! 5. **Ties**: every other name within a factor of 20 in evidence is told.
+//! 6. **Remainder** ([`remainder`]): tests that know no cause. If one finds something the answer is *unknown*, and if
+//!    one covariate at one leg explains more than all names together the names are withdrawn.
+//! 7. **Gain** ([`gain`]): errors on rows that were not fitted, with the causes and without.
+//!
+//! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
+//! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
+
+mod error;
+mod explore;
+mod findings;
+mod gain;
+mod limits;
+mod model;
+mod outliers;
+mod preflight;
+mod readings;
+mod remainder;
+mod result;
+mod search;
+mod statistics;
+mod table;
+
+use std::sync::Arc;
+
+pub use error::DiagnoseError;
+pub use result::{
+    Cause, CauseParameter, Diagnosis, Gain, Misread, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
+};
+
+use crate::effect::{Effect, Surroundings};
+use crate::identification::{ErrorSummary, Prior, register};
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+use crate::pose::PoseConvention;
+use explore::Explorer;
+use table::Subject;
+
+/// Tolerances by which parameters may differ from the drawing.
+const TOLERANCES: f64 = 2.0;
+
+/// What a diagnosis starts from.
+#[derive(Clone, Debug)]
+pub struct Question<'a> {
+    /// The mechanism without effects.
+    pub mechanism: &'a dyn Mechanism,
+    /// The samples.
+    pub data: &'a Dataset,
+    /// What stands around the mechanism.
+    pub surroundings: Surroundings,
+    /// How the data write poses.
+    pub convention: PoseConvention,
+    /// The effects that are looked for.
+    pub catalogue: Vec<Arc<dyn Effect>>,
+    /// True if the stated noise is taken as known; otherwise only its ratio of position to rotation is.
+    pub noise_known: bool,
+    /// Seed of the folds.
+    pub seed: u64,
+}
+
+/// Says what the model gets wrong.
+///
+/// # Errors
+/// [`DiagnoseError`] if there is no answer at all.
+pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let Question { mechanism, data, convention, .. } = *question;
+    let convention = &convention;
+    let prior = Prior::wide(mechanism, TOLERANCES);
+    if let Some(misread) = preflight::preflight(mechanism, data, convention, &prior) {
+        return Ok(misread_file(data, misread));
+    }
+    let registration = register(mechanism, data)?;
+    let data = data.with_frames(registration.frames);
+    let surroundings = Arc::new(question.surroundings.with_references_of(&data));
+    let (subject, missing) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
+    let explorer = Explorer { subject: &subject, known: question.noise_known && data.noise.known };
+    let explored = explorer.explore_with_care()?;
+    findings::findings(question, &explorer, &explored, missing, &registration)
+}
+
+fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
+    Diagnosis {
+        verdict: Verdict::Misread,
+        causes: Vec::new(),
+        unknown: None,
+        misread: Some(misread),
+        outlier_rows: Vec::new(),
+        noise_varies: None,
+        correlation: None,
+        gain: Gain::default(),
+        not_found: Vec::new(),
+        not_testable: Vec::new(),
+        before: ErrorSummary::default(),
+        after: ErrorSummary::default(),
+        noise_scale: f64::NAN,
+        samples: data.len(),
+        values: Vec::new(),
+        own: Vec::new(),
+        effects: Vec::new(),
+        frames: data.frames,
+        warnings: Vec::new(),
+    }
+}

@@ -1,0 +1,325 @@
+//! A model: the nuisance columns and those of accepted effects, fitted; and any further column asked beside it.
+//!
+//! With `Z` the columns of the model and `P` the precision of the prior let `L Lᵀ = Zᵀ Z + P` and `Q = Z L⁻ᵀ`. The fit
+//! leaves `r - Q t` with `t = Qᵀ r + L⁻¹ P (x - x₀)`. A further block of columns `X` is projected by
+//! `S = Xᵀ X - (Qᵀ X)ᵀ (Qᵀ X)`, its gradient is `c = Xᵀ r - (Qᵀ X)ᵀ t`, and it would take `cᵀ S⁻¹ c` off the sum of
+//! squares with the values `-S⁻¹ c`. No refit is needed for any question.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::DiagnoseError;
+use super::statistics::{Noise, log_mean};
+use super::table::{Group, Table};
+use crate::effect::ScanPoint;
+
+/// An effect at a place, as the search handles it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Candidate {
+    /// Which group of the subject.
+    pub(super) group: usize,
+    /// Which place of the group.
+    pub(super) place: usize,
+    /// Sample (position in the data) from which on it acts, if rows are scanned.
+    pub(super) from: Option<usize>,
+}
+
+impl Candidate {
+    /// The place in the terms of the effect; `rows` are the data rows of the samples.
+    pub(super) fn at(&self, groups: &[Group], rows: &[usize]) -> ScanPoint {
+        let mut at = groups[self.group].places[self.place].at.clone();
+        at.row = self.from.map(|k| rows[k]);
+        at
+    }
+}
+
+/// A block of columns beside a model.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    /// `S` (p × p).
+    pub(super) s: DMatrix<f64>,
+    /// `c` (p).
+    pub(super) c: DVector<f64>,
+    /// Lengths squared of the columns before the projection.
+    pub(super) raw: DVector<f64>,
+}
+
+/// Projected columns shorter than this part of what they were, squared, are rounding.
+const ABSORBED: f64 = 1e-8;
+/// Widths of the prior over the usual size of a parameter, an equal mixture: sound machines and broken ones.
+const WIDTHS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+
+impl Asked {
+    /// Rows that repeat each other count for less: every sum over rows is divided by `inflation`.
+    fn of(square: &DMatrix<f64>, s: &DMatrix<f64>, c: &DVector<f64>, inflation: f64) -> Self {
+        Self { s: s / inflation, c: c / inflation, raw: square.diagonal() / inflation }
+    }
+
+    /// What the block takes off the sum of squares, and how many directions of it the data see.
+    pub(super) fn gain(&self) -> (f64, usize) {
+        let p = self.c.len();
+        if p == 1 {
+            let seen = self.s[(0, 0)] > ABSORBED * self.raw[0];
+            return if seen { (self.c[0] * self.c[0] / self.s[(0, 0)], 1) } else { (0.0, 0) };
+        }
+        let (eigen, scale) = self.normalized();
+        let along = eigen.eigenvectors.tr_mul(&self.c.component_div(&scale));
+        let seen = |value: f64| value > ABSORBED;
+        let pairs = along.iter().zip(eigen.eigenvalues.iter()).filter(|(_, v)| seen(**v));
+        pairs.fold((0.0, 0), |(gain, rank), (a, v)| (gain + a * a / v, rank + 1))
+    }
+
+    fn normalized(&self) -> (nalgebra::SymmetricEigen<f64, Dyn>, DVector<f64>) {
+        let scale = self.raw.map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
+        let mut s = self.s.clone();
+        for k in 0..scale.len() {
+            s.row_mut(k).unscale_mut(scale[k]);
+            s.column_mut(k).unscale_mut(scale[k]);
+        }
+        (s.symmetric_eigen(), scale)
+    }
+
+    /// Logarithm of the marginal likelihood over that of no effect: Gaussian priors with the usual sizes of the
+    /// parameters, in a mixture of widths, and the size of the noise profiled out.
+    pub(super) fn evidence(&self, scales: &[f64], noise: &Noise) -> f64 {
+        let (gain, rank) = self.gain();
+        let variance = noise.variance_after(gain, rank as f64);
+        let p = self.c.len();
+        let of_width = |width: f64| {
+            // In units of the prior: D½ S D½ + σ² I.
+            let d = DVector::from_iterator(p, scales.iter().map(|s| s * width));
+            let b =
+                DMatrix::from_fn(p, p, |i, j| d[i] * self.s[(i, j)] * d[j] / variance + if i == j { 1.0 } else { 0.0 });
+            let c = self.c.component_mul(&d) / variance;
+            let Some(cholesky) = Cholesky::new(b) else { return f64::NEG_INFINITY };
+            // cᵀ (S + σ² D⁻¹)⁻¹ c / σ² with both in units of the prior.
+            let q = c.dot(&cholesky.solve(&c));
+            let log_det: f64 = cholesky.l_dirty().diagonal().iter().map(|v| 2.0 * v.ln()).sum();
+            let fit = match noise.known {
+                true => 0.5 * q,
+                false => {
+                    let part = (q * variance / noise.rss).min(1.0 - 1e-15);
+                    -0.5 * noise.dof * (-part).ln_1p()
+                }
+            };
+            fit - 0.5 * log_det
+        };
+        log_mean(&WIDTHS.map(of_width))
+    }
+}
+
+/// A fitted model.
+#[derive(Debug)]
+pub(super) struct Model<'a> {
+    pub(super) table: &'a Table,
+    pub(super) candidates: Vec<Candidate>,
+    /// Columns of the accepted effects (rows × k).
+    effects: DMatrix<f64>,
+    factor: Cholesky<f64, Dyn>,
+    /// `Q` (rows × z).
+    q: DMatrix<f64>,
+    t: DVector<f64>,
+    /// `Qᵀ A` for all columns of the table.
+    w: DMatrix<f64>,
+    /// The residual of the fit.
+    pub(super) residual: DVector<f64>,
+    pub(super) noise: Noise,
+    inflation: f64,
+}
+
+/// How a model is fitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fitting {
+    /// Rows that count, without samples that were left out.
+    pub(super) rows: usize,
+    /// Estimated σ of the readings over the stated one, for the weight of the prior.
+    pub(super) scale: f64,
+    /// How many rows say what one independent row would, for rows that repeat each other.
+    pub(super) inflation: f64,
+    /// True if the noise is as stated.
+    pub(super) known: bool,
+}
+
+/// The columns of a candidate.
+pub(super) fn columns_of(table: &Table, groups: &[Group], candidate: &Candidate) -> DMatrix<f64> {
+    let place = &groups[candidate.group].places[candidate.place];
+    let first = table.nuisance;
+    let range = first + place.columns.start..first + place.columns.end;
+    let mut columns = table.a.columns(range.start, range.len()).into_owned();
+    if let Some(from) = candidate.from {
+        columns.rows_mut(0, table.rows[from].0).fill(0.0);
+    }
+    columns
+}
+
+impl<'a> Model<'a> {
+    /// Fits the nuisance and these effects.
+    pub(super) fn fit(
+        table: &'a Table,
+        groups: &[Group],
+        candidates: Vec<Candidate>,
+        fitting: &Fitting,
+    ) -> Result<Self, DiagnoseError> {
+        let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(table, groups, c)).collect();
+        let count = blocks.iter().map(DMatrix::ncols).sum();
+        let n = table.r.len();
+        let mut effects = DMatrix::zeros(n, count);
+        let mut at = 0;
+        for block in &blocks {
+            effects.columns_mut(at, block.ncols()).copy_from(block);
+            at += block.ncols();
+        }
+        let z_count = table.nuisance + count;
+        let mut z = DMatrix::zeros(n, z_count);
+        z.columns_mut(0, table.nuisance).copy_from(&table.a.columns(0, table.nuisance));
+        z.columns_mut(table.nuisance, count).copy_from(&effects);
+        let mut normal = z.tr_mul(&z);
+        let weight = fitting.scale * fitting.scale;
+        let mut corner = normal.view_mut((0, 0), (table.nuisance, table.nuisance));
+        corner += &table.precision * weight;
+        // Columns that vanish, or that repeat others, are held where they are.
+        let largest = normal.diagonal().map(|v| if v > 0.0 { v } else { 1.0 });
+        for k in 0..z_count {
+            normal[(k, k)] += RIDGE * largest[k];
+        }
+        let factor = Cholesky::new(normal).ok_or(DiagnoseError::Singular)?;
+        let l = factor.l();
+        let mut q = z.transpose();
+        if !l.solve_lower_triangular_mut(&mut q) {
+            return Err(DiagnoseError::Singular);
+        }
+        let q = q.transpose();
+        let mut gradient = DVector::zeros(z_count);
+        gradient.rows_mut(0, table.nuisance).copy_from(&(&table.gradient * weight));
+        if !l.solve_lower_triangular_mut(&mut gradient) {
+            return Err(DiagnoseError::Singular);
+        }
+        let t = q.tr_mul(&table.r) + gradient;
+        let residual = &table.r - &q * &t;
+        let w = q.tr_mul(&table.a);
+        let dof = (fitting.rows as f64 - q.norm_squared()) / fitting.inflation;
+        let noise = Noise { rss: residual.norm_squared() / fitting.inflation, dof, known: fitting.known };
+        Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })
+    }
+
+    /// Further columns of the table, by their numbers.
+    pub(super) fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
+        let x = self.table.a.columns(columns.start, columns.len());
+        let w = self.w.columns(columns.start, columns.len());
+        let square = x.tr_mul(&x);
+        Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+    }
+
+    /// A block of columns that acts from each sample on, in order: the sums over the samples from there to the end.
+    pub(super) fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<Asked> {
+        let p = columns.len();
+        let x = self.table.a.columns(columns.start, p);
+        let mut w = DMatrix::zeros(self.q.ncols(), p);
+        let mut square = DMatrix::zeros(p, p);
+        let mut c = DVector::zeros(p);
+        let mut all = Vec::with_capacity(self.table.samples());
+        for (first, n) in self.table.rows.iter().rev() {
+            let part = x.rows(*first, *n);
+            w.gemm_tr(1.0, &self.q.rows(*first, *n), &part, 1.0);
+            square.gemm_tr(1.0, &part, &part, 1.0);
+            c.gemv_tr(1.0, &part, &self.residual.rows(*first, *n), 1.0);
+            let s: DMatrix<f64> = &square - w.tr_mul(&w);
+            all.push(Asked::of(&square, &s, &c, self.inflation));
+        }
+        all.reverse();
+        all
+    }
+
+    /// The part of the columns of a candidate that the model cannot imitate.
+    pub(super) fn projected(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        x - &self.q * self.q.tr_mul(x)
+    }
+
+    /// Steps of the nuisance and of the accepted effects from the point of the table.
+    pub(super) fn step(&self) -> DVector<f64> {
+        let mut step = -self.t.clone();
+        // The factor has a positive diagonal.
+        self.factor.l().tr_solve_lower_triangular_mut(&mut step);
+        step
+    }
+
+    /// Covariance of the parameters of the accepted effects, for unit noise.
+    pub(super) fn effect_covariance(&self) -> DMatrix<f64> {
+        let (first, count) = (self.table.nuisance, self.effects.ncols());
+        let inverse = self.factor.inverse();
+        inverse.view((first, first), (count, count)).into_owned()
+    }
+
+    /// `Q` of the rows of a sample.
+    pub(super) fn leverage_rows(&self, first: usize, n: usize) -> DMatrix<f64> {
+        self.q.rows(first, n).into_owned()
+    }
+
+    /// Residual and `Q` of the rows of a sample that was left out, from the table that still has it.
+    pub(super) fn predicted(
+        &self,
+        full: &Table,
+        groups: &[Group],
+        first: usize,
+        n: usize,
+    ) -> (DVector<f64>, DMatrix<f64>) {
+        let mut z = DMatrix::zeros(n, self.q.ncols());
+        z.columns_mut(0, full.nuisance).copy_from(&full.a.view((first, 0), (n, full.nuisance)));
+        let mut at = full.nuisance;
+        for candidate in &self.candidates {
+            let place = &groups[candidate.group].places[candidate.place];
+            let p = place.columns.len();
+            let acts = candidate.from.is_none_or(|from| first >= full.rows[from].0);
+            if acts {
+                z.columns_mut(at, p).copy_from(&full.a.view((first, full.nuisance + place.columns.start), (n, p)));
+            }
+            at += p;
+        }
+        let mut q = z.transpose();
+        self.factor.l().solve_lower_triangular_mut(&mut q);
+        let q = q.transpose();
+        let residual = full.r.rows(first, n) - &q * &self.t;
+        (residual, q)
+    }
+
+    /// `Qᵀ` times functions of the sample times the unit displacement of a joint: one column for each function.
+    pub(super) fn joint_functions(&self, joint: usize, functions: &DMatrix<f64>) -> JointFunctions {
+        let column = self.table.joints.start + joint;
+        let samples = self.table.samples();
+        let mut per_sample = DMatrix::zeros(self.q.ncols(), samples);
+        let mut square = DVector::zeros(samples);
+        let mut along = DVector::zeros(samples);
+        for (k, (first, n)) in self.table.rows.iter().enumerate() {
+            let v = self.table.a.view((*first, column), (*n, 1));
+            let mut to = per_sample.column_mut(k);
+            to.gemv_tr(1.0, &self.q.rows(*first, *n), &v.column(0), 0.0);
+            square[k] = v.norm_squared();
+            along[k] = v.column(0).dot(&self.residual.rows(*first, *n));
+        }
+        let inflation = self.inflation;
+        JointFunctions { w: &per_sample * functions, square, along, functions: functions.clone(), inflation }
+    }
+}
+
+/// Relative ridge on the normal equations: rounding.
+const RIDGE: f64 = 1e-13;
+
+/// Functions of the sample on one joint, projected.
+#[derive(Debug)]
+pub(super) struct JointFunctions {
+    w: DMatrix<f64>,
+    square: DVector<f64>,
+    along: DVector<f64>,
+    functions: DMatrix<f64>,
+    inflation: f64,
+}
+
+impl JointFunctions {
+    /// The block of some of the functions.
+    pub(super) fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
+        let f = self.functions.columns(columns.start, columns.len());
+        let w = self.w.columns(columns.start, columns.len());
+        let weighted = DMatrix::from_fn(f.nrows(), f.ncols(), |i, k| f[(i, k)] * self.square[i]);
+        let square = f.tr_mul(&weighted);
+        Asked::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
+    }
+}

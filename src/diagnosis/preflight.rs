@@ -1,0 +1,249 @@
+//! Was the file read rightly? Asked before anything is fitted for good.
+//!
+//! Under each of some forty readings the parameters are fitted to the closure at the measured poses (no forward
+//! kinematics, which may not exist for a misread file), and the medians of the whitened misfits are compared. A reading
+//! is only believed if it makes the misfit less than half.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Vector6};
+
+use super::readings::{Reading, Table};
+use super::result::Misread;
+use crate::conditions::Conditions;
+use crate::identification::{Prior, register};
+use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
+use crate::mechanism::{Linearization, Mechanism};
+use crate::pose::{Pose, PoseConvention};
+
+/// A reading must make the misfit this many times smaller.
+const BETTER: f64 = 2.0;
+/// Rows that the first look takes.
+const FEW: usize = 36;
+/// Steps of the fit in the first look, and of the second.
+const STEPS: [usize; 2] = [2, 5];
+/// Readings that get a second look.
+const SECOND: f64 = 4.0;
+
+/// How the file should have been read, if not as it stands; `None` also where poses are not measured in full.
+pub(super) fn preflight(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    convention: &PoseConvention,
+    prior: &Prior,
+) -> Option<Misread> {
+    let trial = Trial::new(mechanism, data, convention, prior)?;
+    let few: Vec<usize> = spread(data.len(), FEW);
+    let all: Vec<usize> = (0..data.len()).collect();
+    let mut readings = Reading::all(mechanism);
+    readings.extend(trial.leg_order());
+    let stated = trial.misfit(&Reading::Stated, &few, STEPS[0])?;
+    let mut found: Vec<(Reading, f64)> = readings
+        .into_iter()
+        .filter_map(|reading| {
+            let misfit = trial.misfit(&reading, &few, STEPS[0])?;
+            (misfit * BETTER < stated * SECOND).then_some((reading, misfit))
+        })
+        .collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    found.truncate(6);
+    if found.is_empty() {
+        return None;
+    }
+    let stated = trial.misfit(&Reading::Stated, &all, STEPS[1])?;
+    let mut sure: Vec<(Reading, f64)> = found
+        .into_iter()
+        .filter_map(|(reading, _)| Some((trial.misfit(&reading, &all, STEPS[1])?, reading)))
+        .map(|(misfit, reading)| (reading, misfit))
+        .filter(|(_, misfit)| misfit * BETTER < stated)
+        .collect();
+    sure.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (best, misfit) = sure.first()?.clone();
+    let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
+    Some(Misread {
+        reading: best.name().into(),
+        detail: best.detail(),
+        factor: stated / misfit,
+        tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
+    })
+}
+
+/// About `count` numbers below `n`, evenly spread.
+fn spread(n: usize, count: usize) -> Vec<usize> {
+    let step = n.div_ceil(count).max(1);
+    (0..n).step_by(step).collect()
+}
+
+struct Trial<'a> {
+    mechanism: &'a dyn Mechanism,
+    data: &'a Dataset,
+    table: Table,
+    home: Vec<f64>,
+    precision: DMatrix<f64>,
+    prior: &'a Prior,
+    /// One over the σ of positions and angles.
+    weights: Vector6<f64>,
+    /// True if the file as it stands is not in the base frame.
+    elsewhere: bool,
+}
+
+impl<'a> Trial<'a> {
+    fn new(
+        mechanism: &'a dyn Mechanism,
+        data: &'a Dataset,
+        convention: &PoseConvention,
+        prior: &'a Prior,
+    ) -> Option<Self> {
+        if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
+            return None;
+        }
+        let mut table = Table { joints: Vec::new(), poses: Vec::new(), convention: *convention };
+        for k in 0..data.len() {
+            let (model, index) = data.reading(k);
+            table.poses.push(convention.coordinates(&model.rigid_pose(index)?));
+            table.joints.push(data.sample(k).joints.clone());
+        }
+        let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
+        let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
+        let (precision, _) = prior.quadratic(mechanism.values(), mechanism.parameters().len());
+        let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
+        let weights = Vector6::new(p, p, p, r, r, r);
+        Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
+    }
+
+    /// The order in which the columns of the legs go best with the lengths that the measured poses ask for, if it is
+    /// another one than stated.
+    fn leg_order(&self) -> Option<Reading> {
+        let n = self.home.len();
+        if n > 8 {
+            return None;
+        }
+        let at = Conditions::unknown();
+        let asked: Vec<Vec<f64>> = (0..self.table.poses.len())
+            .filter_map(|row| {
+                let (_, pose) = Reading::Stated.row(&self.table, &self.home, row)?;
+                self.mechanism.inverse(self.mechanism.values(), &pose, &at).ok()
+            })
+            .collect();
+        if asked.len() != self.table.poses.len() {
+            return None;
+        }
+        let score = DMatrix::from_fn(n, n, |leg, column| {
+            let pairs = asked.iter().zip(&self.table.joints).map(|(a, j)| (a[leg], j[column]));
+            correlation(pairs)
+        });
+        let order = best_assignment(&score);
+        order.iter().enumerate().any(|(i, k)| i != *k).then_some(Reading::LegOrder(order))
+    }
+
+    /// Median length of the whitened misfit of a row after the parameters are fitted.
+    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize) -> Option<f64> {
+        let read: Vec<(Vec<f64>, Pose)> =
+            rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
+        if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
+            return None;
+        }
+        let plain = self.fitted(&read, &Frames::default(), steps);
+        if !self.elsewhere {
+            return plain;
+        }
+        let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
+        let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
+        samples.iter_mut().zip(&read).for_each(|(s, (joints, _))| s.joints.clone_from(joints));
+        let noise = self.data.noise;
+        let model: std::sync::Arc<dyn MeasurementModel> =
+            std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
+        let registered = register(self.mechanism, &Dataset::new(samples, model, noise)).ok();
+        let elsewhere = registered.and_then(|r| self.fitted(&read, &r.frames, steps));
+        match (plain, elsewhere) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        }
+    }
+
+    fn fitted(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {
+        let n = self.mechanism.parameters().len();
+        let mut c = self.mechanism.values().to_vec();
+        let mut work = Linearization::sized_for(self.mechanism);
+        let mut a = DMatrix::zeros(6 * read.len(), n);
+        let mut r = DVector::zeros(6 * read.len());
+        for step in 0..=steps {
+            for (k, (joints, pose)) in read.iter().enumerate() {
+                let pose = frames.platform(pose);
+                self.mechanism.linearize(&c, joints, &pose, &Conditions::unknown(), &mut work);
+                if work.residual.len() != 6 {
+                    return None;
+                }
+                // The motion by which the measured pose would have to move, and its columns.
+                let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse()?;
+                let mut inverse = -inverse;
+                for (mut row, w) in inverse.row_iter_mut().zip(self.weights.iter()) {
+                    row *= *w;
+                }
+                r.fixed_rows_mut::<6>(6 * k).copy_from(&(inverse * work.residual.fixed_rows::<6>(0)));
+                if step < steps {
+                    for (j, column) in work.parameters.column_iter().enumerate() {
+                        let mut to = a.fixed_view_mut::<6, 1>(6 * k, j);
+                        to.fill(0.0);
+                        for (i, value) in column.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                            to.axpy(*value, &inverse.column(i), 1.0);
+                        }
+                    }
+                }
+            }
+            if r.iter().any(|v| !v.is_finite()) {
+                return None;
+            }
+            if step == steps {
+                break;
+            }
+            let mut normal = a.tr_mul(&a) + &self.precision;
+            for k in 0..n {
+                normal[(k, k)] *= 1.0 + 1e-12;
+            }
+            let (_, gradient) = self.prior.quadratic(&c, n);
+            let delta = Cholesky::new(normal)?.solve(&(a.tr_mul(&r) + gradient));
+            c.iter_mut().zip(delta.iter()).for_each(|(c, d)| *c -= d);
+        }
+        let mut lengths: Vec<f64> = (0..read.len()).map(|k| r.fixed_rows::<6>(6 * k).norm()).collect();
+        lengths.sort_by(f64::total_cmp);
+        // An exact file leaves rounding; far below the noise there is nothing to compare.
+        Some(lengths[lengths.len() / 2].max(1e-3))
+    }
+}
+
+fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let n = pairs.clone().count() as f64;
+    let (ma, mb) = pairs.clone().fold((0.0, 0.0), |(x, y), (a, b)| (x + a / n, y + b / n));
+    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
+    for (a, b) in pairs {
+        aa += (a - ma).powi(2);
+        ab += (a - ma) * (b - mb);
+        bb += (b - mb).powi(2);
+    }
+    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
+}
+
+/// The assignment of columns to rows with the largest sum, by going through all of them; legs are few.
+fn best_assignment(score: &DMatrix<f64>) -> Vec<usize> {
+    fn go(score: &DMatrix<f64>, order: &mut Vec<usize>, sum: f64, best: &mut (f64, Vec<usize>)) {
+        let n = score.nrows();
+        if order.len() == n {
+            if sum > best.0 {
+                *best = (sum, order.clone());
+            }
+            return;
+        }
+        // No row can add more than one.
+        if sum + (n - order.len()) as f64 <= best.0 {
+            return;
+        }
+        for column in (0..n).filter(|k| !order.contains(k)).collect::<Vec<_>>() {
+            let row = order.len();
+            order.push(column);
+            go(score, order, sum + score[(row, column)], best);
+            order.pop();
+        }
+    }
+    let mut best = (f64::NEG_INFINITY, (0..score.nrows()).collect());
+    go(score, &mut Vec::new(), 0.0, &mut best);
+    best.1
+}

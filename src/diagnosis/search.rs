@@ -1,0 +1,181 @@
+//! The search for names: score tests of the whole catalogue beside the present model, one step at a time.
+
+use nalgebra::DMatrix;
+
+use super::DiagnoseError;
+use super::model::{Asked, Candidate, Fitting, Model, columns_of};
+use super::statistics::log_mean;
+use super::table::{Group, Table};
+
+/// Family-wise level of the catalogue.
+pub(super) const LEVEL: f64 = 0.004;
+/// Rivals within this many nats are ties: a factor of 20.
+pub(super) const TIED: f64 = 2.995_732_273_553_991;
+/// Most names in one answer.
+const MOST: usize = 4;
+/// Rounds of removing and swapping after each addition.
+const ROUNDS: usize = 6;
+
+/// How an effect does beside a model.
+#[derive(Clone, Debug)]
+pub(super) struct Score {
+    /// The effect at its best place.
+    pub(super) candidate: Candidate,
+    /// Gain at the best place.
+    pub(super) gain: f64,
+    /// Directions of it that the data see.
+    pub(super) rank: usize,
+    /// Probability by chance, places counted.
+    pub(super) p_value: f64,
+    /// Evidence, averaged over the places.
+    pub(super) evidence: f64,
+    /// Number of places.
+    pub(super) places: usize,
+}
+
+/// Tests every effect of the catalogue beside a model. Effects that the data do not see have rank 0.
+pub(super) fn scores(model: &Model<'_>, groups: &[Group]) -> Vec<Score> {
+    (0..groups.len()).map(|g| score(model, groups, g)).collect()
+}
+
+/// Tests one effect beside a model.
+pub(super) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score {
+    let g = &groups[group];
+    let scales: Vec<f64> = g.parameters.iter().map(|p| p.scale).collect();
+    let first = model.table.nuisance;
+    let mut all: Vec<(Candidate, Asked)> = Vec::new();
+    for (place, p) in g.places.iter().enumerate() {
+        let columns = first + p.columns.start..first + p.columns.end;
+        if p.scans_rows {
+            let asked = model.ask_from_each_row(columns);
+            // A step before the first row is an offset, and one at the last row an outlier.
+            let steps = asked.into_iter().enumerate().skip(1);
+            let last = model.table.samples().saturating_sub(1);
+            all.extend(
+                steps.filter(|(k, _)| *k < last).map(|(from, a)| (Candidate { group, place, from: Some(from) }, a)),
+            );
+        } else {
+            all.push((Candidate { group, place, from: None }, model.ask(columns)));
+        }
+    }
+    let nothing = Candidate { group, place: 0, from: None };
+    let mut best =
+        Score { candidate: nothing, gain: 0.0, rank: 0, p_value: 1.0, evidence: f64::NEG_INFINITY, places: 0 };
+    let mut least = 2.0;
+    let mut evidences = Vec::with_capacity(all.len());
+    let mut places = 0;
+    for (candidate, asked) in all {
+        let (gain, rank) = asked.gain();
+        if rank == 0 {
+            continue;
+        }
+        places += 1;
+        evidences.push(asked.evidence(&scales, &model.noise));
+        let p = model.noise.p_value(gain, rank);
+        if p < least || (p == least && gain > best.gain) {
+            least = p;
+            best = Score { candidate, gain, rank, p_value: p, ..best };
+        }
+    }
+    best.places = places;
+    best.evidence = log_mean(&evidences);
+    best.p_value = (least * places as f64).min(1.0);
+    best
+}
+
+/// What the search needs beside the table.
+pub(super) struct Search<'a> {
+    pub(super) table: &'a Table,
+    pub(super) groups: &'a [Group],
+    pub(super) fitting: Fitting,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn model(&self, candidates: Vec<Candidate>) -> Result<Model<'a>, DiagnoseError> {
+        Model::fit(self.table, self.groups, candidates, &self.fitting)
+    }
+
+    /// The best name beside a model: of those that are detected the one with the most evidence.
+    fn best(&self, model: &Model<'_>) -> Option<Score> {
+        let scores = scores(model, self.groups);
+        let tests = scores.iter().filter(|s| s.rank > 0).count().max(1);
+        let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > 0.0);
+        detected.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    }
+
+    /// One more name, if one is detected, and then names removed and exchanged while that helps. `None` if nothing is
+    /// detected.
+    pub(super) fn step(&self, names: &[Candidate]) -> Result<Option<Vec<Candidate>>, DiagnoseError> {
+        if names.len() >= MOST {
+            return Ok(None);
+        }
+        let model = self.model(names.to_vec())?;
+        let Some(found) = self.best(&model) else { return Ok(None) };
+        let mut next = names.to_vec();
+        next.push(found.candidate);
+        if next.len() > 1 {
+            next = self.polished(next)?;
+        }
+        Ok(Some(next))
+    }
+
+    /// Every name against all others in its place, and against none.
+    pub(super) fn polished(&self, mut names: Vec<Candidate>) -> Result<Vec<Candidate>, DiagnoseError> {
+        for _ in 0..ROUNDS {
+            let mut changed = false;
+            let mut k = 0;
+            while k < names.len() {
+                let mut others = names.clone();
+                let removed = others.remove(k);
+                let model = self.model(others)?;
+                match self.best(&model) {
+                    // Places of the same name are chosen by their gain.
+                    Some(found) if found.candidate == removed => k += 1,
+                    Some(found) if names.contains(&found.candidate) => k += 1,
+                    Some(found) => {
+                        names[k] = found.candidate;
+                        changed = true;
+                        k += 1;
+                    }
+                    None => {
+                        names.remove(k);
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        Ok(names)
+    }
+}
+
+/// The part of a named effect, squared and in units of the noise, that a rival cannot imitate beside the model
+/// `without`.
+pub(super) fn separability(
+    without: &Model<'_>,
+    groups: &[Group],
+    named: &Candidate,
+    values: &[f64],
+    rival: &Candidate,
+) -> f64 {
+    let theta = DMatrix::from_column_slice(values.len(), 1, values);
+    let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
+    let x = without.projected(&columns_of(without.table, groups, rival));
+    let left = match x.clone().svd(true, false) {
+        svd if svd.singular_values.max() > 0.0 => {
+            let largest = svd.singular_values.max();
+            let u = svd.u.unwrap_or_else(|| DMatrix::zeros(x.nrows(), 0));
+            let mut left = shape.clone();
+            for (k, s) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > 1e-6 * largest) {
+                let _ = s;
+                let along = u.column(k).dot(&left.column(0));
+                left.column_mut(0).axpy(-along, &u.column(k), 1.0);
+            }
+            left
+        }
+        _ => shape,
+    };
+    left.norm_squared() / without.noise.variance()
+}

@@ -1,0 +1,200 @@
+//! Play and imperfect joints.
+//!
+//! Backlash of 1 to 20 µm shows by the direction of approach; a flexure whose centre wanders, by 1 to 10 mm times the
+//! square of its angle. A pivot shift is absorbed to 69 % in ±10 mm and wrong by five times the noise in twice
+//! that range.
+
+use super::{describe, per_leg};
+use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
+use crate::mechanism::Body;
+use crate::pose::rotation_vector;
+use crate::units::Dimension;
+
+fn approaches(at: &ScanPoint) -> Vec<String> {
+    at.leg.map(|leg| format!("approach_leg{}", leg + 1)).into_iter().collect()
+}
+
+/// Play that shows by the direction of approach.
+#[derive(Clone, Copy, Debug)]
+pub struct Backlash;
+
+impl Effect for Backlash {
+    describe!(
+        "backlash",
+        "a joint stops elsewhere when it is approached from the other side: play in nuts, gears or joints",
+        "approach every pose from the same side, preload the joints, or correct by the direction of the move"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let mut missing = if setting.is_pose_space() { vec!["legs".into()] } else { Vec::new() };
+        if recorded.moves.is_none_or(|[_, most]| most == 0.0) {
+            missing.push("moves from one row to the next".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        per_leg(setting, "play", setting.mechanism.joints()[0].dimension, 5e-6)
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        approaches(at)
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(before) = &site.conditions.previous_joints else { return };
+        for (leg, play) in theta.iter().enumerate() {
+            let moved = site.joints[leg] - before[leg];
+            if moved != 0.0 {
+                out.joints[leg] += 0.5 * play * moved.signum();
+            }
+        }
+    }
+}
+
+/// Widths of play that are tried, m or rad.
+const WIDTHS: [f64; 4] = [5e-6, 2e-5, 8e-5, 3e-4];
+
+/// Play with a memory: a joint follows its command only at the ends of its play, so that moves shorter than the play
+/// are lost. After long moves it is backlash and nothing else; it is tested where some moves are shorter.
+///
+/// The play operator of width `w` is not linear in `w`. Widths are tried out; the parameter is the part of the lost way
+/// that the joint really loses, 1 for an ideal play of that width.
+#[derive(Clone, Copy, Debug)]
+pub struct Play;
+
+impl Play {
+    /// What remains of the way through the play at a row of the run: `P(L) - L`.
+    fn lost(history: &[Vec<f64>], row: usize, leg: usize, home: f64, width: f64) -> f64 {
+        let follow = |at: f64, command: f64| at.clamp(command - 0.5 * width, command + 0.5 * width);
+        let rows = &history[..=row.min(history.len().saturating_sub(1))];
+        let end = rows.iter().fold(home, |at, joints| follow(at, joints[leg]));
+        end - rows.last().map_or(home, |joints| joints[leg])
+    }
+}
+
+impl Effect for Play {
+    describe!(
+        "hysteresis.play",
+        "joints lose moves that are shorter than their play and follow late after longer ones",
+        "preload the joints, or approach every pose by a long move from the same side"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let mut missing = Vec::new();
+        if setting.is_pose_space() || !setting.joints_are_lengths() {
+            missing.push("legs of variable length".into());
+        }
+        if !recorded.run {
+            missing.push("the complete history of commands".into());
+        } else if recorded.moves.is_none_or(|[least, _]| least >= WIDTHS[WIDTHS.len() - 1] || least == 0.0) {
+            missing.push("moves shorter than the play, without which it is backlash".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        per_leg(setting, "part", Dimension::None, 1.0)
+    }
+
+    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+        Scan::Covariates(WIDTHS.iter().map(|w| format!("{:.0}um", 1e6 * w)).collect())
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(run) = &site.conditions.run else { return };
+        let width = at.covariate.as_ref().and_then(|w| w.strip_suffix("um")?.parse::<f64>().ok());
+        let Some(width) = width.map(|w| 1e-6 * w) else { return };
+        let home = site.setting.home_joints();
+        for (leg, part) in theta.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+            out.joints[leg] += part * Self::lost(&run.joints, run.row, leg, home[leg], width);
+        }
+    }
+}
+
+fn needs_points(setting: &Setting<'_>) -> Vec<String> {
+    let both = setting.has_points(Body::Platform) && setting.has_points(Body::Base);
+    let known = setting.home_legs().iter().all(Option::is_some);
+    if both && known && setting.joints_are_lengths() {
+        Vec::new()
+    } else {
+        vec!["legs of variable length between points of both bodies".into()]
+    }
+}
+
+/// The centre of a flexure wanders as it bends.
+#[derive(Clone, Copy, Debug)]
+pub struct PivotShift;
+
+impl Effect for PivotShift {
+    describe!(
+        "joint.pivot_shift",
+        "the centres of the joints wander as the legs tilt: bending flexures, or cardan axes that do not meet",
+        "correct by the square of the tilt, and do not use the model far outside the calibrated range without it"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        needs_points(setting)
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        vec![EffectParameter::new("shift", Dimension::Length, 2e-2)]
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        for (leg, (now, home)) in site.legs().iter().zip(site.setting.home_legs()).enumerate() {
+            if let (Some(now), Some(home)) = (now, home) {
+                let tilt = now.cross(home).norm().atan2(now.dot(home));
+                out.joints[leg] += theta[0] * tilt * tilt;
+            }
+        }
+    }
+}
+
+/// A leg between two universal joints twists as the platform turns, and its screw turns with it: `Δᵢ = κ ψᵢ` with `κ` the
+/// lead per radian. `ψᵢ` is the turn of the platform about the leg, less the way the leg itself went.
+#[derive(Clone, Copy, Debug)]
+pub struct ScrewCoupling;
+
+impl Effect for ScrewCoupling {
+    describe!(
+        "joint.screw_coupling",
+        "a leg twists between its universal joints as the platform turns, and its screw turns with it",
+        "correct each length by the twist of its leg times the lead, or hold the screw against turning"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        let mut missing = needs_points(setting);
+        if setting.surroundings.screw_pitch.is_none() {
+            missing.push("[actuator] screw_pitch".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        let lead = setting.surroundings.screw_pitch.unwrap_or(5e-3) / std::f64::consts::TAU;
+        vec![EffectParameter::new("lead", Dimension::LengthPerAngle, lead)]
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let turned = site.pose.rotation * site.setting.mechanism.home().rotation.inverse();
+        for (leg, (now, home)) in site.legs().iter().zip(site.setting.home_legs()).enumerate() {
+            let (Some(now), Some(home)) = (now, home) else { continue };
+            let Some(swing) = nalgebra::Rotation3::rotation_between(home, now) else { continue };
+            let twist = rotation_vector(&(turned * swing.inverse())).dot(now);
+            out.joints[leg] += theta[0] * twist;
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Errors that repeat with the commanded joint coordinate.
+//!
+//! A screw lead is wrong by 50 to 500 ppm, an encoder bends by 0.01 to 0.1 µm/mm², a screw wobbles by 1 to 10 µm once per
+//! turn. Scale and curvature are mostly absorbed by the kinematic parameters in a small workspace (24 to 66 % in
+//! ±10 mm) and come back as errors outside of it: the gain with range is twofold to fourfold per doubling.
+//! `scale.common` is the same as a wrong unit of the tracker (their columns agree to 0.999).
+
+use std::f64::consts::TAU;
+
+use super::{describe, per_leg};
+use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site};
+use crate::units::Dimension;
+
+/// Joints whose coordinates stand for something that can stretch; in pose space they are the pose itself.
+fn needs_legs(setting: &Setting<'_>) -> Vec<String> {
+    if setting.is_pose_space() { vec!["legs".into()] } else { Vec::new() }
+}
+
+fn own_length(at: &ScanPoint) -> Vec<String> {
+    at.leg.map(|leg| format!("length_leg{}", leg + 1)).into_iter().collect()
+}
+
+/// All joints move by a common factor too far.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaleCommon;
+
+impl Effect for ScaleCommon {
+    describe!(
+        "scale.common",
+        "the unit of the joints and the unit of the tracker disagree by a factor",
+        "check the lead of the screws and the scale of the tracker against a gauge"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        needs_legs(setting)
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        vec![EffectParameter::new("scale", Dimension::None, 2e-3)]
+    }
+
+    fn special_case_of(&self) -> &[&str] {
+        &["scale.per_leg"]
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        own_length(at)
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        for ((delta, length), home) in out.joints.iter_mut().zip(site.joints).zip(site.setting.home_joints()) {
+            *delta += theta[0] * (length - home);
+        }
+    }
+}
+
+/// Each joint has a factor of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct ScalePerLeg;
+
+impl Effect for ScalePerLeg {
+    describe!(
+        "scale.per_leg",
+        "each joint moves by a factor of its own too far: screw leads, encoder scales, radii of drums",
+        "enter the factors in the controller, or measure the leads"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        needs_legs(setting)
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        per_leg(setting, "scale", Dimension::None, 2e-3)
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        own_length(at)
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let home = site.setting.home_joints();
+        for (leg, k) in theta.iter().enumerate() {
+            out.joints[leg] += k * (site.joints[leg] - home[leg]);
+        }
+    }
+}
+
+/// The reading of each joint bends.
+#[derive(Clone, Copy, Debug)]
+pub struct LengthQuadratic;
+
+impl Effect for LengthQuadratic {
+    describe!(
+        "length.quadratic",
+        "the true length of a leg bends against the commanded one: an encoder or a screw that is not linear",
+        "calibrate the encoders against a linear reference, or enter the curvature in the controller"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        if setting.joints_are_lengths() { needs_legs(setting) } else { vec!["legs of variable length".into()] }
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        per_leg(setting, "curvature", Dimension::PerLength, 5e-2)
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        own_length(at)
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let home = site.setting.home_joints();
+        for (leg, c) in theta.iter().enumerate() {
+            out.joints[leg] += c * (site.joints[leg] - home[leg]).powi(2);
+        }
+    }
+}
+
+/// The screws wobble once per turn.
+#[derive(Clone, Copy, Debug)]
+pub struct CyclicPitch;
+
+impl Effect for CyclicPitch {
+    describe!(
+        "cyclic.pitch",
+        "the screws wobble: an error that repeats with every turn",
+        "enter the wave in the controller, or read the legs with linear encoders"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+        let mut missing =
+            if setting.joints_are_lengths() { needs_legs(setting) } else { vec!["legs of variable length".into()] };
+        if setting.surroundings.screw_pitch.is_none() {
+            missing.push("[actuator] screw_pitch".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        let mut all = per_leg(setting, "sin", Dimension::Length, 5e-6);
+        all.extend(per_leg(setting, "cos", Dimension::Length, 5e-6));
+        all
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        own_length(at)
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(pitch) = site.setting.surroundings.screw_pitch else { return };
+        let n = site.joints.len();
+        for leg in 0..n {
+            let (sin, cos) = (theta[leg], theta[n + leg]);
+            if sin != 0.0 || cos != 0.0 {
+                let (s, c) = (TAU * site.joints[leg] / pitch).sin_cos();
+                out.joints[leg] += sin * s + cos * c;
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Growth with temperature.
+//!
+//! Steel grows by 11 to 12 ppm/K, so that a leg of 800 mm grows by 9 µm per kelvin and a base of 1.5 m radius by 18 µm.
+//! A temperature acts by its difference from the reference temperature of the mechanism file, or from the mean of
+//! its column. Confused with: each other and drifts, when all temperatures rise with time. More poses do not help then;
+//! poses after cooling down do, or one part heated alone.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::{describe, unrecorded};
+use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
+use crate::mechanism::Body;
+use crate::units::Dimension;
+
+/// Prior scale of a coefficient of expansion, 1/K.
+const EXPANSION: f64 = 1e-5;
+
+fn expansion() -> Vec<EffectParameter> {
+    vec![EffectParameter::new("expansion", Dimension::PerKelvin, EXPANSION)]
+}
+
+/// Legs that are lengths; an angle does not grow.
+fn needs_lengths(setting: &Setting<'_>) -> Vec<String> {
+    let ok = setting.joints_are_lengths() && !setting.is_pose_space();
+    if ok { Vec::new() } else { vec!["legs of variable length".into()] }
+}
+
+/// All legs grow with their mean temperature.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalLegsUniform;
+
+impl Effect for ThermalLegsUniform {
+    describe!(
+        "thermal.legs.uniform",
+        "all legs grow with the mean temperature of the legs",
+        "measure the temperature of the legs and correct the commanded lengths by it, or use legs that grow less"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let mut missing = needs_lengths(setting);
+        let own = (0..setting.joints()).all(|leg| recorded.has(&Setting::leg_temperature(leg)));
+        if !recorded.has("temp_legs") && !own {
+            missing.push("temp_legs".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        vec!["temp_legs".into()]
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(t) = site.temperature("temp_legs") else { return };
+        for (delta, length) in out.joints.iter_mut().zip(site.joints) {
+            *delta += theta[0] * length * t;
+        }
+    }
+}
+
+/// Each leg grows with its own temperature.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalLegsIndividual;
+
+impl Effect for ThermalLegsIndividual {
+    describe!(
+        "thermal.legs.individual",
+        "each leg grows with its own temperature",
+        "correct each commanded length by the temperature of its leg; find what heats the legs differently"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let names: Vec<String> = (0..setting.joints()).map(Setting::leg_temperature).collect();
+        let mut missing = needs_lengths(setting);
+        missing.extend(names.into_iter().filter(|n| !recorded.has(n)));
+        missing
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        vec!["temp_legs".into()]
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        for (leg, (delta, length)) in out.joints.iter_mut().zip(site.joints).enumerate() {
+            if let Some(t) = site.temperature(&Setting::leg_temperature(leg)) {
+                *delta += theta[0] * length * t;
+            }
+        }
+    }
+}
+
+/// One leg grows differently from the others.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalLegSingle;
+
+impl Effect for ThermalLegSingle {
+    describe!(
+        "thermal.leg.single",
+        "one leg grows with its temperature unlike the others: another material, a bad sensor, or the heat of its motor",
+        "look at the material and the temperature sensor of that leg, and at what warms it"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        ThermalLegsIndividual.missing(setting, recorded)
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+        Scan::Legs
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        at.leg.map(Setting::leg_temperature).into_iter().collect()
+    }
+
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(leg) = at.leg else { return };
+        if let Some(t) = site.temperature(&Setting::leg_temperature(leg)) {
+            out.joints[leg] += theta[0] * site.joints[leg] * t;
+        }
+    }
+}
+
+/// Adds `factor(place) · place` to every point of a body.
+fn grow(body: Body, site: &Site<'_>, out: &mut Perturbation, factor: impl Fn(&Vector3<f64>) -> f64) {
+    let points = body.points(site.setting.mechanism, site.values);
+    for (k, spec) in site.setting.mechanism.parameters().iter().enumerate() {
+        let Some((leg, axis)) = body.coordinate(spec.role) else { continue };
+        if let Some((_, place)) = points.iter().find(|(l, _)| *l == leg) {
+            out.parameters[k] += factor(place) * place[axis];
+        }
+    }
+}
+
+fn body_missing(setting: &Setting<'_>, recorded: &Recorded, body: Body, column: &str) -> Vec<String> {
+    let mut missing = unrecorded(recorded, &[column]);
+    if !setting.has_points(body) {
+        let name = if body == Body::Platform { "platform" } else { "base" };
+        missing.push(format!("points of the {name} among the parameters"));
+    }
+    missing
+}
+
+/// The platform grows.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalPlatform;
+
+impl Effect for ThermalPlatform {
+    describe!(
+        "thermal.platform",
+        "the platform grows with its temperature, and the joints on it move outwards",
+        "correct by the temperature of the platform, or choose a material for it that grows less"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        body_missing(setting, recorded, Body::Platform, "temp_platform")
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        vec!["temp_platform".into()]
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some(t) = site.temperature("temp_platform") {
+            grow(Body::Platform, site, out, |_| theta[0] * t);
+        }
+    }
+}
+
+/// The base grows.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalBase;
+
+impl Effect for ThermalBase {
+    describe!(
+        "thermal.base",
+        "the base grows with its temperature, and the joints on it move outwards",
+        "correct by the temperature of the base, or let it reach a steady temperature before the work"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        body_missing(setting, recorded, Body::Base, "temp_base")
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        vec!["temp_base".into()]
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some(t) = site.temperature("temp_base") {
+            grow(Body::Base, site, out, |_| theta[0] * t);
+        }
+    }
+}
+
+/// The base grows unevenly: a temperature that changes linearly through it, from three or more sensors. A point moves by
+/// the integral of the strain along the way from the origin, `α (T₀' + ½ G·b) b`. Typical: 10 to 20 µm for 1 K across 3 m.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalGradient;
+
+impl ThermalGradient {
+    /// Temperature at the origin and its gradient, as least squares through the sensors of the base.
+    fn field(site: &Site<'_>) -> Option<(f64, Vector3<f64>)> {
+        let sensors = site.setting.surroundings.sensors.iter().filter(|s| s.body == Body::Base);
+        let known: Vec<_> = sensors.filter_map(|s| Some((s.place, site.temperature(&s.covariate)?))).collect();
+        if known.len() < 3 {
+            return None;
+        }
+        let rows = DMatrix::from_fn(known.len(), 4, |i, k| if k == 0 { 1.0 } else { known[i].0[k - 1] });
+        let values = DVector::from_iterator(known.len(), known.iter().map(|(_, t)| *t));
+        // Sensors in one plane leave the gradient across it at zero.
+        let found = rows.svd(true, true).solve(&values, 1e-9).ok()?;
+        Some((found[0], Vector3::new(found[1], found[2], found[3])))
+    }
+}
+
+impl Effect for ThermalGradient {
+    describe!(
+        "thermal.gradient",
+        "the base grows unevenly, because one side of it is warmer than the other",
+        "shield the base from the source of heat, or correct by the temperatures of its sensors"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let mut missing = Vec::new();
+        let on_base: Vec<_> = setting.surroundings.sensors.iter().filter(|s| s.body == Body::Base).collect();
+        if on_base.len() < 3 {
+            missing.push("three [[sensor]] entries on the base".into());
+        }
+        missing.extend(on_base.iter().filter(|s| !recorded.has(&s.covariate)).map(|s| s.covariate.clone()));
+        if !setting.has_points(Body::Base) {
+            missing.push("points of the base among the parameters".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        expansion()
+    }
+
+    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some((mean, gradient)) = Self::field(site) {
+            grow(Body::Base, site, out, |place| theta[0] * (mean + 0.5 * gradient.dot(place)));
+        }
+    }
+}
+
+/// In pose space, the six coordinates move in proportion to a temperature. Which temperature is tried out.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalPose;
+
+impl Effect for ThermalPose {
+    describe!(
+        "thermal.pose",
+        "the pose moves in proportion to a temperature",
+        "add the temperature to the look-up table"
+    );
+
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+        let mut missing = Vec::new();
+        if !setting.is_pose_space() {
+            missing.push("a mechanism of type \"pose\"".into());
+        }
+        if recorded.temperatures().is_empty() {
+            missing.push("a column temp_…".into());
+        }
+        missing
+    }
+
+    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+        let of = |(k, name): (usize, &&str)| match k {
+            0..3 => EffectParameter::new(*name, Dimension::LengthPerKelvin, 1e-5),
+            _ => EffectParameter::new(*name, Dimension::AnglePerKelvin, 1e-5),
+        };
+        ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
+    }
+
+    fn scan(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Scan {
+        Scan::Covariates(recorded.temperatures())
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        at.covariate.iter().cloned().collect()
+    }
+
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature(c)) else { return };
+        for (delta, v) in out.joints.iter_mut().zip(theta) {
+            *delta += v * t;
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Effects: what the world does to a mechanism beyond its kinematic parameters.
+//!
+//! An effect is a function of the operating state of a sample (temperatures, gravity, history, time) that perturbs
+//! the parameters `C`, the joint coordinates `h`, or the measured pose:
+//!
+//! ```text
+//! f(q, h + δh(θ), C + δC(θ)) = 0        effects on joints and on the geometry: they move the platform
+//! q_measured = δq(θ) ∘ q + noise         effects on the measurement: they do not
+//! ```
+//!
+//! Through `J_b` and the motion per joint each parameter `θₖ` becomes one column: the small motion of the measured pose
+//! per unit of the parameter. That is all that [`crate::diagnosis`] needs, for any mechanism whose parameters
+//! carry roles.
+//!
+//! | group | names | file |
+//! |---|---|---|
+//! | temperature | `thermal.*` | [`catalogue`] |
+//! | joints | `scale.*`, `length.quadratic`, `cyclic.pitch`, `backlash`, `hysteresis.play`, `joint.*` | |
+//! | gravity | `compliance.*`, `sag.*` | |
+//! | time | `drift.*`, `step.*` | |
+//!
+//! [`Effect`] is the trait; a consumer's own effect stands beside those of the [`catalogue()`]. [`Extended`] is a
+//! mechanism with effects, and again a [`Mechanism`]: identification, pose selection, compensation and files work with
+//! it unchanged. Effects on the measurement are parameters of the measurement ([`SeenThrough`]).
+
+pub mod catalogue;
+mod extended;
+mod perturbation;
+mod scan;
+mod seen_through;
+mod setting;
+
+use std::fmt::Debug;
+
+pub use catalogue::{catalogue, effect};
+pub use extended::{ActiveEffect, Extended};
+pub use perturbation::Perturbation;
+pub use scan::{Scan, ScanPoint};
+pub use seen_through::SeenThrough;
+pub use setting::{Recorded, Sensor, Setting, Site, Surroundings};
+
+use crate::units::Dimension;
+
+/// One parameter of an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EffectParameter {
+    /// Its name in files and results: `expansion`, `scale3`.
+    pub name: String,
+    /// What it measures; values are in SI.
+    pub dimension: Dimension,
+    /// Size that it has in sound machines, SI: the scale of its prior. It decides between names and never shrinks a value.
+    pub scale: f64,
+}
+
+impl EffectParameter {
+    /// A parameter by name, dimension and usual size.
+    pub fn new(name: impl Into<String>, dimension: Dimension, scale: f64) -> Self {
+        Self { name: name.into(), dimension, scale }
+    }
+}
+
+/// What an effect acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// Joints or geometry: the platform moves, and commands can compensate it.
+    Mechanism,
+    /// The instrument or its frame: only the readings move.
+    Measurement,
+}
+
+/// One named physical cause.
+///
+/// Implementations are linear in their parameters: [`perturb`](Self::perturb) of `2θ` is twice that of `θ`. They are
+/// evaluated once for each unit parameter, and the columns follow.
+pub trait Effect: Debug + Send + Sync {
+    /// Its name in files and results, such as `thermal.legs.uniform`.
+    fn name(&self) -> &str;
+
+    /// The cause, in one sentence that a mechanic understands.
+    fn cause(&self) -> &str;
+
+    /// What to do about it.
+    fn remedy(&self) -> &str;
+
+    /// What it acts on.
+    fn acts_on(&self) -> Acts {
+        Acts::Mechanism
+    }
+
+    /// What is missing to test it: columns of the data, entries of the mechanism file, or a property of the mechanism.
+    /// Empty if it can be tested.
+    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String>;
+
+    /// Its parameters.
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter>;
+
+    /// What is not known beside the parameters, and is tried out.
+    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+        Scan::None
+    }
+
+    /// Names of richer effects of which this one is a special case.
+    fn special_case_of(&self) -> &[&str] {
+        &[]
+    }
+
+    /// Covariates that it depends on at a point of its scan, for the range in which it was fitted.
+    fn covariates(&self, at: &ScanPoint) -> Vec<String>;
+
+    /// Adds what the effect does at a site. `theta` has the length of [`parameters`](Self::parameters); `out` has been
+    /// cleared. Where a condition is not known the effect does nothing.
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation);
+}

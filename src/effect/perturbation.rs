@@ -1,0 +1,43 @@
+//! What an effect does at one sample.
+
+use nalgebra::{Matrix6xX, Vector6};
+
+use crate::mechanism::MotionBlock;
+
+/// Changes of parameters, joints and measured pose, SI.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Perturbation {
+    /// `δC`, in the order of the parameters of the mechanism.
+    pub parameters: Vec<f64>,
+    /// `δh`: true joint coordinate less the commanded one.
+    pub joints: Vec<f64>,
+    /// `δq`: small motion `(δt, δω)` of the measured platform, base axes; it turns about the platform's origin.
+    pub pose: Vector6<f64>,
+}
+
+impl Perturbation {
+    /// Zeros for so many parameters and joints.
+    pub fn sized(parameters: usize, joints: usize) -> Self {
+        Self { parameters: vec![0.0; parameters], joints: vec![0.0; joints], pose: Vector6::zeros() }
+    }
+
+    /// Sets everything to zero.
+    pub fn clear(&mut self) {
+        self.parameters.fill(0.0);
+        self.joints.fill(0.0);
+        self.pose.fill(0.0);
+    }
+
+    /// The small motion of the measured pose that follows, to first order: `J_b δC + J_h δh + δq`.
+    pub fn motion(&self, block: &MotionBlock) -> Vector6<f64> {
+        let mut motion = self.pose;
+        let add = |values: &[f64], columns: &Matrix6xX<f64>, motion: &mut Vector6<f64>| {
+            for (k, value) in values.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                motion.axpy(*value, &columns.column(k), 1.0);
+            }
+        };
+        add(&self.parameters, &block.parameters, &mut motion);
+        add(&self.joints, &block.joints, &mut motion);
+        motion
+    }
+}

@@ -1,0 +1,40 @@
+//! What of an effect is not known beside its parameters.
+
+/// What is tried out. Each place that was tried is paid for in the test (Bonferroni) and in the evidence.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Scan {
+    /// Nothing.
+    #[default]
+    None,
+    /// The leg.
+    Legs,
+    /// The row from which on the effect acts; it is zero before that row and as it is for row 0 from there on.
+    Rows,
+    /// Leg and row.
+    LegsAndRows,
+    /// The covariate.
+    Covariates(Vec<String>),
+}
+
+/// One place in a scan.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScanPoint {
+    /// Leg, from 0.
+    pub leg: Option<usize>,
+    /// 0-based data row from which on the effect acts.
+    pub row: Option<usize>,
+    /// Name of the covariate.
+    pub covariate: Option<String>,
+}
+
+impl ScanPoint {
+    /// The place of an effect that has none.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// A leg, from 0.
+    pub fn leg(leg: usize) -> Self {
+        Self { leg: Some(leg), ..Self::default() }
+    }
+}

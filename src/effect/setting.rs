@@ -1,0 +1,249 @@
+//! What effects are given: the machine, what was recorded, and the sample at hand.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use nalgebra::{Matrix6xX, Vector3};
+
+use crate::conditions::Conditions;
+use crate::measurement::Dataset;
+use crate::mechanism::{Body, Mechanism, ParameterRole};
+use crate::pose::Pose;
+use crate::units::Dimension;
+
+/// A temperature sensor at a known place of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// The covariate that holds its readings, such as `temp_base1`.
+    pub covariate: String,
+    /// The body that it sits on.
+    pub body: Body,
+    /// Where, in the frame of that body, m.
+    pub place: Vector3<f64>,
+}
+
+/// What a mechanism file states about the world around the mechanism, SI.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// Temperature at which the geometry holds, °C.
+    pub reference_temperature: Option<f64>,
+    /// The same for single covariates, where no common one is stated: the means of the run.
+    pub references: BTreeMap<String, f64>,
+    /// Mass of the platform, kg.
+    pub mass: Option<f64>,
+    /// Its centre of mass, platform frame, m.
+    pub centre_of_mass: Option<Vector3<f64>>,
+    /// Centre of the payload, platform frame, m.
+    pub payload_centre: Option<Vector3<f64>>,
+    /// Pitch of the screws, m.
+    pub screw_pitch: Option<f64>,
+    /// Temperature sensors whose places are known.
+    pub sensors: Vec<Sensor>,
+}
+
+impl Surroundings {
+    /// The same with the mean of every temperature of a run as reference where none is stated.
+    #[must_use]
+    pub fn with_references_of(&self, data: &Dataset) -> Self {
+        let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
+        let mut legs = (0.0, 0.0);
+        for sample in data.iter() {
+            for (name, value) in sample.conditions.covariates.iter().filter(|(n, _)| n.starts_with("temp_")) {
+                let sum = sums.entry(name.clone()).or_default();
+                *sum = (sum.0 + value, sum.1 + 1.0);
+            }
+            if let Some(t) = sample.conditions.leg_temperature() {
+                legs = (legs.0 + t, legs.1 + 1.0);
+            }
+        }
+        if legs.1 > 0.0 {
+            sums.insert("temp_legs".into(), legs);
+        }
+        let mut with = self.clone();
+        for (name, (sum, count)) in sums {
+            with.references.entry(name).or_insert(sum / count);
+        }
+        with
+    }
+
+    /// Difference of a temperature of a covariate from its reference.
+    fn difference(&self, covariate: &str, temperature: f64) -> f64 {
+        let reference = self.reference_temperature.or_else(|| self.references.get(covariate).copied());
+        temperature - reference.unwrap_or(temperature)
+    }
+}
+
+/// What was recorded with the samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Covariates that every sample has.
+    pub covariates: BTreeSet<String>,
+    /// True if the direction of gravity is known for every sample.
+    pub gravity: bool,
+    /// True if the samples are in a run, in the order of measuring.
+    pub run: bool,
+    /// Smallest and largest length of a move of a joint from one sample to the next, in its unit.
+    pub moves: Option<[f64; 2]>,
+    /// Number of samples.
+    pub samples: usize,
+}
+
+impl Recorded {
+    /// What every sample of `data` has.
+    pub fn of(data: &Dataset) -> Self {
+        let mut samples = data.iter();
+        let Some(first) = samples.next() else { return Self::default() };
+        let mut covariates: BTreeSet<String> = first.conditions.covariates.keys().cloned().collect();
+        for sample in samples {
+            covariates.retain(|name| sample.conditions.covariates.contains_key(name));
+        }
+        let mut moves: Option<[f64; 2]> = None;
+        for sample in data.iter() {
+            let Some(previous) = &sample.conditions.previous_joints else { continue };
+            for (now, before) in sample.joints.iter().zip(previous) {
+                let length = (now - before).abs();
+                let [least, most] = moves.unwrap_or([f64::INFINITY, 0.0]);
+                moves = Some([least.min(length), most.max(length)]);
+            }
+        }
+        Self {
+            covariates,
+            gravity: data.iter().all(|s| s.conditions.gravity.is_some()),
+            run: data.iter().all(|s| s.conditions.run.is_some()),
+            moves,
+            samples: data.len(),
+        }
+    }
+
+    /// True if every sample has the covariate.
+    pub fn has(&self, covariate: &str) -> bool {
+        self.covariates.contains(covariate)
+    }
+
+    /// The temperature columns, by name.
+    pub fn temperatures(&self) -> Vec<String> {
+        self.covariates.iter().filter(|n| n.starts_with("temp_")).cloned().collect()
+    }
+}
+
+/// The machine that effects act on.
+#[derive(Clone, Debug)]
+pub struct Setting<'a> {
+    /// The mechanism without effects.
+    pub mechanism: &'a dyn Mechanism,
+    /// What stands around it.
+    pub surroundings: &'a Surroundings,
+    home: Home,
+}
+
+/// What effects measure from: the mechanism at home.
+#[derive(Clone, Debug)]
+pub(super) struct Home {
+    joints: Arc<[f64]>,
+    legs: Arc<[Option<Vector3<f64>>]>,
+}
+
+impl Home {
+    pub(super) fn of(mechanism: &dyn Mechanism) -> Self {
+        let n = mechanism.joints().len();
+        let joints = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
+        Self {
+            joints: joints.unwrap_or_else(|_| vec![0.0; n]).into(),
+            legs: leg_directions(mechanism, mechanism.values(), &mechanism.home()).into(),
+        }
+    }
+}
+
+impl<'a> Setting<'a> {
+    /// A mechanism and what stands around it.
+    pub fn new(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings) -> Self {
+        Self::with_home(mechanism, surroundings, Home::of(mechanism))
+    }
+
+    pub(super) fn with_home(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings, home: Home) -> Self {
+        Self { mechanism, surroundings, home }
+    }
+
+    /// Joints at home.
+    pub fn home_joints(&self) -> &[f64] {
+        &self.home.joints
+    }
+
+    /// Directions of the legs at home, base frame, of length one; `None` for legs whose points are not both known.
+    pub fn home_legs(&self) -> &[Option<Vector3<f64>>] {
+        &self.home.legs
+    }
+
+    /// Number of joints.
+    pub fn joints(&self) -> usize {
+        self.mechanism.joints().len()
+    }
+
+    /// True if every joint is a length.
+    pub fn joints_are_lengths(&self) -> bool {
+        self.mechanism.joints().iter().all(|j| j.dimension == Dimension::Length)
+    }
+
+    /// True if the parameters hold the points of a body.
+    pub fn has_points(&self, body: Body) -> bool {
+        self.mechanism.parameters().iter().any(|p| body.coordinate(p.role).is_some())
+    }
+
+    /// True if the joints are the coordinates of the pose itself.
+    pub fn is_pose_space(&self) -> bool {
+        self.mechanism.parameters().iter().all(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
+            && !self.mechanism.parameters().is_empty()
+    }
+
+    /// The column name of a leg's temperature.
+    pub fn leg_temperature(leg: usize) -> String {
+        format!("temp_leg{}", leg + 1)
+    }
+}
+
+/// Unit vectors from the base to the platform along the legs.
+fn leg_directions(mechanism: &dyn Mechanism, c: &[f64], pose: &Pose) -> Vec<Option<Vector3<f64>>> {
+    let mut directions = vec![None; mechanism.joints().len()];
+    let base = Body::Base.points(mechanism, c);
+    for (leg, a) in Body::Platform.points(mechanism, c) {
+        let Some((_, b)) = base.iter().find(|(l, _)| *l == leg) else { continue };
+        if let Some(direction) = directions.get_mut(leg) {
+            *direction = (pose.place(&a) - b).try_normalize(0.0);
+        }
+    }
+    directions
+}
+
+/// One sample, for effects.
+#[derive(Clone, Debug)]
+pub struct Site<'a> {
+    /// The machine.
+    pub setting: &'a Setting<'a>,
+    /// Parameters of the mechanism.
+    pub values: &'a [f64],
+    /// Commanded joints.
+    pub joints: &'a [f64],
+    /// Pose of the platform.
+    pub pose: &'a Pose,
+    /// Operating state.
+    pub conditions: &'a Conditions,
+    /// Small motion of the platform per unit of each joint (6 × n); by virtual work its transpose carries a wrench
+    /// about the platform's origin to the forces of the joints.
+    pub joint_motion: &'a Matrix6xX<f64>,
+}
+
+impl Site<'_> {
+    /// A temperature less its reference; `None` if it was not recorded.
+    pub fn temperature(&self, covariate: &str) -> Option<f64> {
+        let value = match covariate {
+            "temp_legs" => self.conditions.leg_temperature()?,
+            name => self.conditions.get(name)?,
+        };
+        Some(self.setting.surroundings.difference(covariate, value))
+    }
+
+    /// Unit vectors along the legs, from base to platform.
+    pub fn legs(&self) -> Vec<Option<Vector3<f64>>> {
+        leg_directions(self.setting.mechanism, self.values, self.pose)
+    }
+}
