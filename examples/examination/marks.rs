@@ -7,7 +7,7 @@ use crate::said::{Answer, Said, size};
 use crate::table::Rate;
 
 /// A named rate.
-pub type Mark = (String, Rate);
+pub(crate) type Mark = (String, Rate);
 
 /// One question put to every answer; `None` where it does not apply.
 fn rate(answers: &[&Answer], right: impl Fn(&Truth, &Said) -> Option<bool>) -> Rate {
@@ -23,7 +23,7 @@ fn alarmed(said: &Said) -> bool {
     said.verdict != Verdict::Clean || said.noise_varies.is_some()
 }
 
-pub fn first_right(truth: &Truth, said: &Said) -> bool {
+pub(crate) fn first_right(truth: &Truth, said: &Said) -> bool {
     said.causes.first().is_some_and(|cause| cause.effect == hidden(truth))
 }
 
@@ -54,7 +54,7 @@ fn row_right(truth: &Truth, said: &Said) -> Option<bool> {
 }
 
 /// The marks for one hidden effect.
-pub fn one(answers: &[&Answer]) -> Vec<Mark> {
+pub(crate) fn one(answers: &[&Answer]) -> Vec<Mark> {
     vec![
         ("right name first".into(), rate(answers, |t, s| Some(first_right(t, s)))),
         ("right and unique".into(), rate(answers, |t, s| Some(unique_right(t, s)))),
@@ -124,7 +124,7 @@ fn two(answers: &[&Answer]) -> Vec<Mark> {
 }
 
 /// The marks for an effect outside the catalogue.
-pub fn outside(answers: &[&Answer]) -> Vec<Mark> {
+pub(crate) fn outside(answers: &[&Answer]) -> Vec<Mark> {
     let covariate = |t: &Truth, s: &Said| {
         let wanted = (!t.covariates.is_empty()).then_some(&t.covariates)?;
         let said = s.unknown.as_ref().and_then(|(covariate, _)| covariate.as_ref());
@@ -152,7 +152,7 @@ pub fn outside(answers: &[&Answer]) -> Vec<Mark> {
 }
 
 /// The marks for files that are read wrongly.
-pub fn misread(answers: &[&Answer]) -> Vec<Mark> {
+pub(crate) fn misread(answers: &[&Answer]) -> Vec<Mark> {
     vec![
         ("called misread".into(), rate(answers, |_, s| Some(s.verdict == Verdict::Misread))),
         ("reading right".into(), rate(answers, |t, s| Some(reading_right(t, s)))),
@@ -174,7 +174,7 @@ fn noise(answers: &[&Answer]) -> Vec<Mark> {
 }
 
 /// The marks of a paper.
-pub fn marks(kind: Kind, answers: &[&Answer]) -> Vec<Mark> {
+pub(crate) fn marks(kind: Kind, answers: &[&Answer]) -> Vec<Mark> {
     match kind {
         Kind::One(_) | Kind::WarmUp(_) => one(answers),
         Kind::OneWithOutliers(_) => [one(answers), outliers(answers)].concat(),
@@ -187,7 +187,7 @@ pub fn marks(kind: Kind, answers: &[&Answer]) -> Vec<Mark> {
 }
 
 /// Whether an answer is worth a line in the list of mistakes.
-pub fn wrong(kind: Kind, answer: &Answer) -> bool {
+pub(crate) fn wrong(kind: Kind, answer: &Answer) -> bool {
     let Ok(said) = &answer.said else { return true };
     let truth = &answer.truth;
     match kind {
@@ -206,6 +206,9 @@ pub fn wrong(kind: Kind, answer: &Answer) -> bool {
                 || (!truth.covariates.is_empty() && covariate.is_none_or(|c| !truth.covariates.contains(c)))
         }
         Kind::Misread => !reading_right(truth, said),
-        Kind::Noise(_) => said.noise_varies.as_ref().is_none_or(|c| !truth.covariates.contains(c)),
+        Kind::Noise(_) => {
+            let right = said.noise_varies.as_ref().is_some_and(|c| truth.covariates.contains(c));
+            !right || said.verdict != Verdict::Clean
+        }
     }
 }

@@ -3,20 +3,20 @@
 use crate::hidden::cases::Kind;
 
 /// A kind of question, asked many times.
-pub struct Paper {
+pub(crate) struct Paper {
     /// For `--only`.
-    pub key: &'static str,
-    pub title: &'static str,
-    pub kind: Kind,
+    pub(crate) key: &'static str,
+    pub(crate) title: &'static str,
+    pub(crate) kind: Kind,
     /// Only on request.
-    pub extra: bool,
+    pub(crate) extra: bool,
 }
 
 const fn paper(key: &'static str, title: &'static str, kind: Kind, extra: bool) -> Paper {
     Paper { key, title, kind, extra }
 }
 
-pub const PAPERS: [Paper; 13] = [
+pub(crate) const PAPERS: [Paper; 13] = [
     paper("one", "one effect, 3 x its detection limit", Kind::One(3.0), false),
     paper("tenfold", "one effect, 10 x its detection limit", Kind::One(10.0), false),
     paper("one-outliers", "one effect, 3 x its limit, with 5 % outliers", Kind::OneWithOutliers(3.0), false),

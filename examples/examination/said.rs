@@ -11,38 +11,40 @@ use crate::hidden::cases::{Case, Truth};
 use crate::hidden::effects::named;
 
 /// A cause that was named.
-pub struct Named {
-    pub effect: String,
+pub(crate) struct Named {
+    pub(crate) effect: String,
     /// From 1.
-    pub leg: Option<usize>,
-    pub row: Option<usize>,
-    pub values: Vec<f64>,
-    pub tied_with: Vec<String>,
-    pub evidence: f64,
+    pub(crate) leg: Option<usize>,
+    pub(crate) row: Option<usize>,
+    pub(crate) values: Vec<f64>,
+    pub(crate) tied_with: Vec<String>,
+    pub(crate) evidence: f64,
 }
 
 /// What was said about a case, as far as it is scored.
-pub struct Said {
-    pub verdict: Verdict,
-    pub causes: Vec<Named>,
+pub(crate) struct Said {
+    pub(crate) verdict: Verdict,
+    pub(crate) causes: Vec<Named>,
     /// Covariate and leg (from 1).
-    pub unknown: Option<(Option<String>, Option<usize>)>,
-    pub reading: Option<(String, String)>,
-    pub outlier_rows: Vec<usize>,
-    pub noise_varies: Option<String>,
+    pub(crate) unknown: Option<(Option<String>, Option<usize>)>,
+    /// Which test found it, and the names that it made withdraw.
+    detail: String,
+    pub(crate) reading: Option<(String, String)>,
+    pub(crate) outlier_rows: Vec<usize>,
+    pub(crate) noise_varies: Option<String>,
     /// Held-out position error after, over the noise floor.
-    pub after_over_floor: Option<f64>,
+    pub(crate) after_over_floor: Option<f64>,
 }
 
 /// A case that was answered, or was not.
-pub struct Answer {
-    pub truth: Truth,
-    pub said: Result<Said, String>,
-    pub seconds: f64,
+pub(crate) struct Answer {
+    pub(crate) truth: Truth,
+    pub(crate) said: Result<Said, String>,
+    pub(crate) seconds: f64,
 }
 
 /// Writes the two texts, reads them as a user's files and asks.
-pub fn ask(case: Case, folder: &Path, noise_known: bool) -> Answer {
+pub(crate) fn ask(case: Case, folder: &Path, noise_known: bool) -> Answer {
     let started = Instant::now();
     let said = answer(&case, folder, noise_known).map_err(|e| e.to_string());
     Answer { truth: case.truth, said, seconds: started.elapsed().as_secs_f64() }
@@ -77,6 +79,10 @@ impl Said {
             verdict: diagnosis.verdict,
             causes: causes.collect(),
             unknown: diagnosis.unknown.as_ref().map(|u| (u.covariate.clone(), u.leg.map(|leg| leg + 1))),
+            detail: diagnosis.unknown.as_ref().map_or_else(String::new, |u| {
+                let test = format!(" by {} p {:.0e}", u.test, u.p_value);
+                if u.withdrawn.is_empty() { test } else { format!("{test}, not {}", u.withdrawn.join(" nor ")) }
+            }),
             reading: diagnosis.misread.as_ref().map(|m| (m.reading.clone(), m.detail.clone())),
             outlier_rows: diagnosis.outlier_rows.clone(),
             noise_varies: diagnosis.noise_varies.as_ref().map(|n| n.covariate.clone()),
@@ -85,17 +91,17 @@ impl Said {
     }
 
     /// The cause of this name.
-    pub fn cause(&self, effect: &str) -> Option<&Named> {
+    pub(crate) fn cause(&self, effect: &str) -> Option<&Named> {
         self.causes.iter().find(|cause| cause.effect == effect)
     }
 
     /// Whether an effect is named, or tied with one that is.
-    pub fn mentions(&self, effect: &str) -> bool {
+    pub(crate) fn mentions(&self, effect: &str) -> bool {
         self.causes.iter().any(|c| c.effect == effect || c.tied_with.iter().any(|name| name == effect))
     }
 
     /// Compactly, for a list.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let place = |leg: Option<usize>| leg.map_or(String::new(), |leg| format!(" leg {leg}"));
         let cause = |c: &Named| {
             let row = c.row.map_or(String::new(), |row| format!(" row {row}"));
@@ -104,7 +110,7 @@ impl Said {
         };
         let mut parts: Vec<String> = self.causes.iter().map(cause).collect();
         if let Some((covariate, leg)) = &self.unknown {
-            parts.push(format!("unknown over {}{}", covariate.as_deref().unwrap_or("nothing"), place(*leg)));
+            parts.push(format!("unknown over {}{}{}", covariate.as_deref().unwrap_or("nothing"), place(*leg), self.detail));
         }
         parts.extend(self.reading.iter().map(|(reading, detail)| format!("misread {reading} {detail}")));
         parts.extend(self.noise_varies.iter().map(|covariate| format!("noise over {covariate}")));
@@ -116,13 +122,13 @@ impl Said {
 }
 
 /// Norm of an effect's parameters, each in its usual size.
-pub fn size(effect: &str, values: &[f64]) -> Option<f64> {
+pub(crate) fn size(effect: &str, values: &[f64]) -> Option<f64> {
     let scale = named(effect)?.scale;
     (scale.len() == values.len()).then(|| values.iter().zip(scale).map(|(v, s)| (v / s).powi(2)).sum::<f64>().sqrt())
 }
 
 /// What was hidden, compactly.
-pub fn hidden_text(truth: &Truth) -> String {
+pub(crate) fn hidden_text(truth: &Truth) -> String {
     let place = |k: usize| {
         let leg = truth.legs.get(k).copied().flatten().map_or(String::new(), |leg| format!(" leg {leg}"));
         let row = truth.rows.get(k).copied().flatten().map_or(String::new(), |row| format!(" row {row}"));

@@ -2,13 +2,13 @@
 
 /// How often something was so.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rate {
-    pub hits: usize,
-    pub of: usize,
+pub(crate) struct Rate {
+    pub(crate) hits: usize,
+    pub(crate) of: usize,
 }
 
 impl Rate {
-    pub fn of(cases: impl IntoIterator<Item = bool>) -> Self {
+    pub(crate) fn of(cases: impl IntoIterator<Item = bool>) -> Self {
         let mut rate = Self::default();
         for hit in cases {
             rate.hits += usize::from(hit);
@@ -18,7 +18,7 @@ impl Rate {
     }
 
     /// Wilson's 95 % interval: sensible also at 0 and at n of n.
-    pub fn interval(&self) -> (f64, f64) {
+    pub(crate) fn interval(&self) -> (f64, f64) {
         const Z: f64 = 1.959_963_984_540_054;
         let n = self.of as f64;
         let p = self.hits as f64 / n;
@@ -28,7 +28,7 @@ impl Rate {
     }
 
     /// `97.5 % (91.3 to 99.3)  78 of 80`
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         if self.of == 0 {
             return "     -".to_owned();
         }
@@ -39,13 +39,13 @@ impl Rate {
     }
 
     /// `78/80`
-    pub fn short(&self) -> String {
+    pub(crate) fn short(&self) -> String {
         if self.of == 0 { "-".to_owned() } else { format!("{}/{}", self.hits, self.of) }
     }
 }
 
 /// A table of short cells with a head, columns as wide as they need.
-pub fn print(head: &[String], lines: &[Vec<String>]) {
+pub(crate) fn print(head: &[String], lines: &[Vec<String>]) {
     let width = |k: usize| {
         lines
             .iter()
