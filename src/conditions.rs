@@ -42,6 +42,20 @@ impl Conditions {
         Self::default()
     }
 
+    /// Puts states into the run in which they were measured: row, part, and the joints of all rows. The joints before are
+    /// those of the row before; the first row is approached from `home`.
+    ///
+    /// The part is that of the time if every state has one between those of the first and the last, else that of the rows.
+    pub fn put_in_run(states: &mut [Self], joints: Vec<Vec<f64>>, home: Option<&[f64]>) {
+        let parts = parts(states);
+        let joints: Arc<[Vec<f64>]> = joints.into();
+        for (row, (state, part)) in states.iter_mut().zip(parts).enumerate() {
+            let before = row.checked_sub(1).and_then(|row| joints.get(row)).cloned();
+            state.previous_joints = before.or_else(|| home.map(<[f64]>::to_vec));
+            state.run = Some(Run { row, part, joints: Arc::clone(&joints) });
+        }
+    }
+
     /// The value of a covariate, if it is known.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.covariates.get(name).copied()
@@ -57,5 +71,50 @@ impl Conditions {
             .filter(|(k, _)| k["temp_leg".len()..].parse::<usize>().is_ok())
             .fold((0.0, 0), |(sum, count), (_, t)| (sum + t, count + 1));
         (count > 0).then(|| sum / f64::from(count))
+    }
+}
+
+/// How much of a run has passed at each of its states.
+fn parts(states: &[Conditions]) -> Vec<f64> {
+    let times: Option<Vec<f64>> = states.iter().map(|s| s.get("time")).collect();
+    if let Some(times) = times
+        && let [first, .., last] = times[..]
+        && first < last
+        && times.iter().all(|t| (first..=last).contains(t))
+    {
+        return times.iter().map(|t| (t - first) / (last - first)).collect();
+    }
+    let last = states.len().saturating_sub(1).max(1) as f64;
+    (0..states.len()).map(|row| row as f64 / last).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run_at(times: &[Option<f64>]) -> Vec<f64> {
+        let state = |time: &Option<f64>| {
+            let mut state = Conditions::unknown();
+            state.covariates.extend(time.map(|t| ("time".to_owned(), t)));
+            state
+        };
+        let mut states: Vec<Conditions> = times.iter().map(state).collect();
+        let joints = (0..states.len()).map(|row| vec![row as f64]).collect();
+        Conditions::put_in_run(&mut states, joints, Some(&[-1.0]));
+        for (row, state) in states.iter().enumerate() {
+            assert_eq!(state.previous_joints, Some(vec![row as f64 - 1.0]));
+        }
+        states.iter().map(|s| s.run.as_ref().map_or(f64::NAN, |run| run.part)).collect()
+    }
+
+    #[test]
+    fn a_run_passes_by_time_where_all_rows_have_one_that_increases() {
+        assert_eq!(run_at(&[Some(10.0), Some(11.0), Some(14.0)]), [0.0, 0.25, 1.0]);
+        assert_eq!(run_at(&[Some(10.0), None, Some(14.0)]), [0.0, 0.5, 1.0]);
+        assert_eq!(run_at(&[Some(10.0), Some(10.0), Some(10.0)]), [0.0, 0.5, 1.0]);
+        // One clock that is far off must not stretch the others together.
+        assert_eq!(run_at(&[Some(10.0), Some(1e6), Some(14.0)]), [0.0, 0.5, 1.0]);
+        assert_eq!(run_at(&[None]), [0.0]);
+        assert_eq!(run_at(&[]), [0.0; 0]);
     }
 }

@@ -147,5 +147,25 @@ fn the_generator_of_blind_cases_explains_the_files_of_another() {
             assert!((with - 685.0).abs() < 4.0 * 37.0, "{kind} {truth}: {with}");
             assert!(effects.is_empty() || without > with + 200.0);
         }
+
+#[test]
+fn a_telescope_in_pose_space_is_read_and_calibrated() {
+    let Some(folder) = folder("mmt-hexapod") else { return };
+    let text = "name = \"secondary\"\ntype = \"pose\"\nlength_unit = \"um\"\nangle_unit = \"arcsec\"\n";
+    let machine = Machine::from_text(text, "secondary.toml".as_ref()).unwrap();
+    for (name, rows) in [("elcoll_20170110_0.csv", 37), ("elcoll_20170110_1.csv", 12)] {
+        let read = read_measurement(folder.join(name), &machine).unwrap();
+        assert_eq!(read.data.len(), rows);
+        let state = &read.data.sample(rows - 1).conditions;
+        assert!(state.gravity.is_some() && state.get("temp_ambient").is_some());
+        assert_eq!(state.run.as_ref().unwrap().part, 1.0);
+        let options = CalibrationOptions { convention: machine.convention, ..CalibrationOptions::default() };
+        let result =
+            calibrate(machine.mechanism.as_ref(), &read.data, None, &LevenbergMarquardt::default(), &options).unwrap();
+        // Each offset is the mean of its column, to what the curvature of angles is worth; rz was not measured.
+        let (model, _) = read.data.reading(0);
+        let mean_x = (0..rows).map(|k| model.point(k).unwrap().position.x).sum::<f64>() / rows as f64;
+        assert!((result.parameters[0].value - mean_x).abs() < 1e-9, "{}", result.parameters[0].value);
+        assert_eq!(result.parameters[5].sigma, None);
     }
 }

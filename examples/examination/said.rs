@@ -110,7 +110,12 @@ impl Said {
         };
         let mut parts: Vec<String> = self.causes.iter().map(cause).collect();
         if let Some((covariate, leg)) = &self.unknown {
-            parts.push(format!("unknown over {}{}{}", covariate.as_deref().unwrap_or("nothing"), place(*leg), self.detail));
+            parts.push(format!(
+                "unknown over {}{}{}",
+                covariate.as_deref().unwrap_or("nothing"),
+                place(*leg),
+                self.detail
+            ));
         }
         parts.extend(self.reading.iter().map(|(reading, detail)| format!("misread {reading} {detail}")));
         parts.extend(self.noise_varies.iter().map(|covariate| format!("noise over {covariate}")));

@@ -171,6 +171,7 @@ fn rivals(
         .map(|s| Rival {
             effect: subject.groups[s.candidate.group].effect.name().into(),
             leg: s.candidate.at(&subject.groups, &rows).leg,
+            row: s.candidate.at(&subject.groups, &rows).row,
             behind: own - s.evidence,
             separability: separability(without, &subject.groups, name, values, &s.candidate),
         })
@@ -196,12 +197,7 @@ fn not_found(
         }
         match limit(model, group, tests) {
             Some(limit) => found.push(limit),
-            None => {
-                let covariates = group.effect.covariates(&group.places[0].at);
-                let what = if covariates.is_empty() { "what it depends on".into() } else { covariates.join(", ") };
-                let missing = vec![format!("{what} must change more than in these data")];
-                unseen.push(NotTestable { effect: name.into(), missing });
-            }
+            None => unseen.push(NotTestable::unchanging(group)),
         }
     }
     (found, unseen)

@@ -28,6 +28,7 @@
 //! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
 //! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
 
+mod design;
 mod error;
 mod explore;
 mod findings;
@@ -40,15 +41,19 @@ mod readings;
 mod remainder;
 mod result;
 mod search;
+mod settle;
 mod statistics;
 mod table;
 
 use std::sync::Arc;
 
+pub use design::{detection_limits, planned};
 pub use error::DiagnoseError;
 pub use result::{
     Cause, CauseParameter, Diagnosis, Gain, Misread, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
 };
+
+pub use settle::{Plan, Separation, TOLD_APART, settle};
 
 use crate::effect::{Effect, Surroundings};
 use crate::identification::{ErrorSummary, Prior, register};

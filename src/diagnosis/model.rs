@@ -172,7 +172,7 @@ impl<'a> Model<'a> {
         let mut z = DMatrix::zeros(n, z_count);
         z.columns_mut(0, table.nuisance).copy_from(&table.a.columns(0, table.nuisance));
         z.columns_mut(table.nuisance, count).copy_from(&effects);
-        let mut normal = z.tr_mul(&z);
+        let mut normal = z.transpose() * &z;
         let weight = fitting.scale * fitting.scale;
         let mut corner = normal.view_mut((0, 0), (table.nuisance, table.nuisance));
         corner += &table.precision * weight;
@@ -195,7 +195,7 @@ impl<'a> Model<'a> {
         }
         let t = q.tr_mul(&table.r) + gradient;
         let residual = &table.r - &q * &t;
-        let w = q.tr_mul(&table.a);
+        let w = q.transpose() * &table.a;
         let dof = (fitting.rows as f64 - q.norm_squared()) / fitting.inflation;
         let noise = Noise { rss: residual.norm_squared() / fitting.inflation, dof, known: fitting.known };
         Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })

@@ -195,7 +195,7 @@ impl<'a> Trial<'a> {
             if step == steps {
                 break;
             }
-            let mut normal = a.tr_mul(&a) + &self.precision;
+            let mut normal = a.transpose() * &a + &self.precision;
             for k in 0..n {
                 normal[(k, k)] *= 1.0 + 1e-12;
             }

@@ -10,6 +10,8 @@
 //! A covariate and a leg are no cause; where covariates go together, another one explains nearly as much and is named
 //! beside it.
 
+use std::f64::consts::PI;
+
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -155,10 +157,16 @@ pub(super) fn waves(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
             let x = covariate.scaled();
             // Cycles over the range in steps of one half.
             let cycles = |k: usize| 1.0 + 0.5 * k as f64;
-            let functions = DMatrix::from_fn(samples, 2 * count, |row, column| {
-                let phase = std::f64::consts::PI * cycles(column / 2) * x[row];
-                if column % 2 == 0 { phase.sin() } else { phase.cos() }
-            });
+            let mut functions = DMatrix::zeros(samples, 2 * count);
+            for (row, x) in x.iter().enumerate() {
+                // Half a cycle more turns the phase by the same angle each time.
+                let (step, mut phase) = ((0.5 * PI * x).sin_cos(), (PI * x).sin_cos());
+                for k in 0..count {
+                    functions[(row, 2 * k)] = phase.0;
+                    functions[(row, 2 * k + 1)] = phase.1;
+                    phase = (phase.0 * step.1 + phase.1 * step.0, phase.1 * step.1 - phase.0 * step.0);
+                }
+            }
             let asked = model.joint_functions(leg, &functions);
             let (low, high) = covariate.range();
             for k in 0..count {

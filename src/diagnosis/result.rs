@@ -1,5 +1,6 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
+use super::table::Group;
 use crate::effect::{ActiveEffect, Acts};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;
@@ -55,6 +56,8 @@ pub struct Rival {
     pub effect: String,
     /// Its leg, from 0.
     pub leg: Option<usize>,
+    /// Data row from which on it acts.
+    pub row: Option<usize>,
     /// How much less evidence it has, nats; below zero if it has more.
     pub behind: f64,
     /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.
@@ -179,6 +182,15 @@ pub struct NotTestable {
     pub effect: String,
     /// What is missing.
     pub missing: Vec<String>,
+}
+
+impl NotTestable {
+    /// An effect whose columns the data do not see, because what it depends on hardly changes.
+    pub(super) fn unchanging(group: &Group) -> Self {
+        let covariates = group.effect.covariates(&group.places[0].at);
+        let what = if covariates.is_empty() { "what it depends on".into() } else { covariates.join(", ") };
+        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
+    }
 }
 
 /// The answer.

@@ -124,6 +124,11 @@ pub(super) fn column(
     }
     if leg_number(base).is_some() {
         let legs = mechanism.joints().len();
+        if mechanism.joints().iter().all(|j| leg_number(&j.name).is_none()) {
+            let joints: Vec<&str> = mechanism.joints().iter().map(|j| j.name.as_str()).collect();
+            let joints = joints.join(", ");
+            return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
+        }
         return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
     }
     if base.contains(|c: char| c.is_ascii_uppercase()) {

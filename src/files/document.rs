@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::PlaneSection;
+use super::extension::{EffectEntry, OffsetSection, SensorEntry};
 use super::writer::number;
 use crate::pose::RotationOrder;
 
@@ -66,12 +67,17 @@ pub struct MechanismDocument {
     pub platform: Option<PlatformSection>,
     /// Actuators.
     pub actuator: Option<ActuatorSection>,
+    /// True less commanded coordinates, of a positioner in pose space.
+    pub offset: Option<OffsetSection>,
+    /// Temperature sensors whose places are known.
+    #[serde(default, rename = "sensor")]
+    pub sensors: Vec<SensorEntry>,
     /// Measured points of the platform.
     #[serde(default, rename = "target")]
     pub targets: Vec<TargetEntry>,
     /// Effects of an extended model.
     #[serde(default, rename = "effect")]
-    pub effects: Vec<toml::Table>,
+    pub effects: Vec<EffectEntry>,
 }
 
 fn unnamed() -> String {
@@ -79,10 +85,11 @@ fn unnamed() -> String {
 }
 
 /// A horizontal axis of the base.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GravityAxis {
     /// x.
+    #[default]
     X,
     /// y.
     Y,
@@ -304,24 +311,27 @@ impl MechanismDocument {
             text += "\n[actuator]\n";
             text += &s.screw_pitch.map_or(String::new(), |v| format!("screw_pitch = {}\n", number(v)));
         }
+        text += &self.offset.as_ref().map_or(String::new(), OffsetSection::to_text);
+        self.sensors.iter().for_each(|sensor| text += &sensor.to_text());
         for target in &self.targets {
             text += &format!("\n[[target]]\nname = {}\n", quoted(&target.name));
             text += &target.platform.map_or(String::new(), |v| format!("platform = {}\n", list(&v)));
         }
+        self.effects.iter().for_each(|effect| text += &effect.to_text());
         text
     }
 }
 
-fn list(values: &[f64]) -> String {
+pub(super) fn list(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
 }
 
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.into()).to_string()
 }
 
 /// The line of a key that may be left out.
-fn line(key: &str, value: Option<String>) -> String {
+pub(super) fn line(key: &str, value: Option<String>) -> String {
     value.map_or(String::new(), |v| format!("{key} = {v}\n"))
 }
 

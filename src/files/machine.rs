@@ -2,22 +2,27 @@
 
 use std::any::Any;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::document::{HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
+use super::extension::OffsetSection;
 use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
 use super::plane::{PlaneSection, carried};
 use super::urdf::{self, UrdfOptions};
+use crate::effect::Surroundings;
 use crate::measurement::{Contact, Frames, Noise, TargetPoint};
-use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace};
+use crate::mechanism::{GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
 
 /// The paper's kind of mechanism.
 pub(super) const SIX_HARDPOINT: &str = "six-hardpoint";
+/// A positioner that is commanded in coordinates of the pose.
+pub(super) const POSE: &str = "pose";
 
 /// A mechanism with its surroundings, SI.
 #[derive(Debug)]
@@ -39,6 +44,8 @@ pub struct Machine {
     pub targets: Vec<TargetPoint>,
     /// The plane over which heights are measured, and of which point.
     pub contact: Contact,
+    /// What stands around the mechanism.
+    pub(super) surroundings: Arc<Surroundings>,
     /// Unit of its lengths.
     pub length_unit: Unit,
     /// Unit of its angles.
@@ -131,6 +138,11 @@ impl Machine {
         }
     }
 
+    /// What its file states about the world around the mechanism: masses, screws, sensors, reference temperatures.
+    pub fn surroundings(&self) -> &Arc<Surroundings> {
+        &self.surroundings
+    }
+
     /// The mechanism by which the controller turns commanded poses into joints.
     pub fn commander(&self) -> &dyn Mechanism {
         self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())
@@ -156,6 +168,9 @@ impl Machine {
     ) -> Result<MechanismDocument, FileError> {
         if let Some(parts) = parts(mechanism) {
             return Ok(self.document_of_parts(&parts, workspace, targets, frames));
+        }
+        if let Some(positioner) = (mechanism as &dyn Any).downcast_ref::<PosePositioner>() {
+            return Ok(self.document_of_positioner(positioner, workspace, targets, frames));
         }
         let Some(legs) = (mechanism as &dyn Any).downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
             return Err(FileError::Value {
@@ -190,8 +205,29 @@ impl Machine {
         document.nominal_home = Some(self.home_section(&self.commander().home()));
         document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
         self.carry_sections(&mut document, frames);
+        self.carry_sensors(&mut document, frames);
         self.put_targets(&mut document, targets);
         Ok(document)
+    }
+
+    /// The same for a positioner in pose space.
+    fn document_of_positioner(
+        &self,
+        positioner: &PosePositioner,
+        workspace: Option<&Workspace>,
+        targets: &[TargetPoint],
+        frames: &Frames,
+    ) -> MechanismDocument {
+        let mut document = self.document.clone();
+        let mut offsets = [0.0; 6];
+        offsets.copy_from_slice(positioner.offsets());
+        let (position, rotation) = self.in_units(offsets);
+        document.offset = Some(OffsetSection { position, rotation });
+        document.home = Some(self.home_section(&positioner.home()));
+        document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
+        self.carry_sections(&mut document, frames);
+        self.put_targets(&mut document, targets);
+        document
     }
 
     /// The same for a kind that is made from a closure: it keeps the frames of its drawing and is mounted in those of the
@@ -226,10 +262,7 @@ impl Machine {
     /// What is stated on the platform moves with the platform frame, what stands on the base with the base.
     fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
         let onto_target = frames.target.inverse();
-        let moved = |p: &mut [f64; 3]| {
-            let place = Vector3::from_column_slice(p).map(|v| self.length_unit.to_si(v));
-            *p = onto_target.place(&place).map(|v| self.length_unit.from_si(v)).into();
-        };
+        let moved = |p: &mut [f64; 3]| self.move_point(p, &onto_target);
         if frames.target != Pose::identity() {
             let platform = document.platform.iter_mut();
             platform.flat_map(|s| [&mut s.centre_of_mass, &mut s.payload_centre]).flatten().for_each(moved);
@@ -238,6 +271,20 @@ impl Machine {
         if let Some(section) = document.plane.as_mut().filter(|_| !frames.is_identity()) {
             *section = PlaneSection::of(&carried(&self.contact, frames), self.length_unit);
         }
+    }
+
+    /// Sensors sit where the points of their body are stated.
+    fn carry_sensors(&self, document: &mut MechanismDocument, frames: &Frames) {
+        let onto_target = frames.target.inverse();
+        for sensor in document.sensors.iter_mut().filter(|_| !frames.is_identity()) {
+            sensor.platform.iter_mut().for_each(|p| self.move_point(p, &onto_target));
+            sensor.base.iter_mut().for_each(|p| self.move_point(p, &frames.base));
+        }
+    }
+
+    fn move_point(&self, p: &mut [f64; 3], motion: &Pose) {
+        let place = Vector3::from_column_slice(p).map(|v| self.length_unit.to_si(v));
+        *p = motion.place(&place).map(|v| self.length_unit.from_si(v)).into();
     }
 
     fn in_units(&self, q: [f64; 6]) -> ([f64; 3], [f64; 3]) {

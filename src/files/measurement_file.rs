@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use super::column::Meaning;
 use super::error::FileError;
-use super::machine::Machine;
+use super::machine::{Machine, POSE};
 use super::readings::{contact_readings, pose_readings, target_readings};
+use super::states::States;
 use super::table::Table;
-use super::time::parse_time;
 use crate::conditions::Conditions;
 use crate::measurement::{Dataset, MeasurementModel, Noise, PlaneContact, PoseMeasurement, Sample, TargetMeasurement};
 use crate::mechanism::{KinematicsError, characteristic_length};
@@ -89,7 +89,9 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
         mechanism.joints().iter().zip(&joints).filter(|(_, c)| c.is_none()).map(|(j, _)| j.name.as_str()).collect();
     let header = |problem: String| FileError::Header { path: table.path.clone(), problem };
     let from_pose = commanded.iter().any(Option::is_some) && missing.len() == joints.len();
-    if !missing.is_empty() && !from_pose {
+    // What was not commanded to a positioner in pose space was commanded to be zero.
+    let pose_space = machine.document.kind == POSE;
+    if !missing.is_empty() && !from_pose && !pose_space {
         let length = machine.length_unit.name;
         let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);
         let (noun, unit) = (joint.noun(), machine.unit(joint).name);
@@ -99,15 +101,11 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
             missing[0],
         )));
     }
-    let ignored = ignored_columns(table);
-    if !ignored.is_empty() {
-        let names: Vec<&str> = ignored.iter().map(|k| table.columns[*k].name.as_str()).collect();
-        warnings.push(format!("columns without numbers are not used: {}", names.join(", ")));
-    }
+    let States { mut states, warnings: found } = States::read(table, machine)?;
+    warnings.extend(found);
     let id = find(Meaning::Id);
     let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &at).ok();
-    let mut samples: Vec<Sample> = Vec::with_capacity(table.rows.len());
-    let mut first_time = None;
+    let mut commands: Vec<Vec<f64>> = Vec::with_capacity(table.rows.len());
     for row in 0..table.rows.len() {
         let values: Vec<f64> = if from_pose {
             // A coordinate that is not commanded stays at home.
@@ -127,51 +125,13 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
             }
             lengths
         } else {
-            joints.iter().flatten().map(|column| table.required(row, *column)).collect::<Result<_, _>>()?
+            let value = |column: &Option<usize>| column.map_or(Ok(0.0), |column| table.required(row, column));
+            joints.iter().map(value).collect::<Result<_, _>>()?
         };
-        let mut conditions = Conditions::unknown();
-        conditions.previous_joints = samples.last().map(|s| s.joints.clone()).or_else(|| home.clone());
-        for (k, column) in table.columns.iter().enumerate() {
-            match &column.meaning {
-                Meaning::Covariate(name) if !ignored.contains(&k) => {
-                    if let Some(value) = table.number(row, k)? {
-                        let (name, value) = covariate(name, value);
-                        conditions.covariates.insert(name, value);
-                    }
-                }
-                Meaning::Clock => {
-                    let text = &table.rows[row].1[k];
-                    if text.is_empty() {
-                        continue;
-                    }
-                    let advice = "is not a time; write 2026-03-01T12:30:00 or 12:30:00";
-                    let time = parse_time(text).ok_or_else(|| table.cell_error(row, k, advice))?;
-                    let since = time - *first_time.get_or_insert(time);
-                    conditions.covariates.entry("time".into()).or_insert(since);
-                }
-                _ => {}
-            }
-        }
-        let label = id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
-        samples.push(Sample { id: label, row, joints: values, conditions });
+        commands.push(values);
     }
-    Ok(samples)
-}
-
-/// Elevation stands for zenith distance, so that the two mean one covariate.
-fn covariate(name: &str, value: f64) -> (String, f64) {
-    match name {
-        "zenith_distance" => ("elevation".into(), std::f64::consts::FRAC_PI_2 - value),
-        _ => (name.into(), value),
-    }
-}
-
-/// Columns of no known meaning that hold no number at all, such as remarks.
-fn ignored_columns(table: &Table) -> Vec<usize> {
-    let text_only = |k: usize| {
-        matches!(table.columns[k].meaning, Meaning::Covariate(_))
-            && table.columns[k].unit.is_none()
-            && table.rows.iter().all(|(_, cells)| cells[k].parse::<f64>().is_err())
-    };
-    (0..table.columns.len()).filter(|k| text_only(*k)).collect()
+    Conditions::put_in_run(&mut states, commands.clone(), home.as_deref());
+    let label = |row: usize| id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
+    let sample = |(row, (joints, conditions))| Sample { id: label(row), row, joints, conditions };
+    Ok(commands.into_iter().zip(states).enumerate().map(sample).collect())
 }

@@ -1,6 +1,7 @@
 //! From the words of a mechanism file to a [`Machine`]: units, ranges, and what does not fit together.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -8,11 +9,14 @@ use super::document::{LegEntry, MechanismDocument, ToleranceSection};
 use super::error::FileError;
 use super::joint_columns::check_joints;
 use super::kinds::{self, KINDS, check_keys};
-use super::machine::{Machine, SIX_HARDPOINT};
+use super::machine::{Machine, POSE, SIX_HARDPOINT};
+use super::surroundings::surroundings;
 use super::writer::number;
 use crate::conditions::Conditions;
 use crate::measurement::{Noise, TargetPoint};
-use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
+use crate::mechanism::{
+    GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace, check_distinct_anchors,
+};
 use crate::pose::{PoseConvention, RotationOrder};
 use crate::units::{Dimension, Unit};
 
@@ -172,6 +176,41 @@ fn six_hardpoint(
     Ok((Box::new(mechanism), nominal))
 }
 
+/// A positioner that is commanded in coordinates of the pose.
+fn pose_positioner(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    convention: &PoseConvention,
+    home: Option<[f64; 6]>,
+    _warned: &mut Vec<String>,
+) -> Result<Made, FileError> {
+    let legs = !document.legs.is_empty() || !document.nominal_legs.is_empty();
+    let cables = !document.cables.is_empty() || !document.nominal_cables.is_empty();
+    if legs || cables || document.mounting.is_some() || document.identify.is_some() {
+        let problem = "[[leg]], [[cable]], [mounting] and identify mean nothing for type \"pose\"; delete them";
+        return Err(r.value("type", problem));
+    }
+    if document.noise.as_ref().is_some_and(|n| n.joint != 0.0) {
+        return Err(r.value("[noise] joint", "means nothing for type \"pose\", whose joints are commanded; delete it"));
+    }
+    let offset = document.offset.clone().unwrap_or_default();
+    let offsets = r.six("[offset]", &offset.position, &offset.rotation)?;
+    let tolerance = match &document.tolerance {
+        None => None,
+        Some(t) => {
+            let (position, _) = r.tolerance(t)?;
+            let missing =
+                || r.value("[tolerance] angle", "is missing; a mechanism of type \"pose\" needs 1σ of an angle");
+            let angle = r.angle.to_si(r.known("[tolerance] angle", t.angle.ok_or_else(missing)?)?);
+            Some([position, angle])
+        }
+    };
+    let home = convention.pose(&home.unwrap_or_default());
+    let made = PosePositioner::new(&document.name, *convention, home, offsets, tolerance);
+    let geometry = |cause| FileError::Geometry { path: r.path.into(), cause };
+    Ok((Box::new(made.map_err(geometry)?), None))
+}
+
 /// A mechanism of another kind, made from its closure.
 fn other_kind(
     r: &Reader<'_>,
@@ -241,8 +280,9 @@ fn other_kind(
 pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
     let path = r.path;
     let kind = document.kind.as_str();
-    if kind != SIX_HARDPOINT && !KINDS.contains(&kind) {
-        let known: Vec<String> = std::iter::once(SIX_HARDPOINT).chain(KINDS).map(|k| format!("\"{k}\"")).collect();
+    let kinds = || std::iter::once(SIX_HARDPOINT).chain(KINDS).chain([POSE]);
+    if !kinds().any(|k| k == kind) {
+        let known: Vec<String> = kinds().map(|k| format!("\"{k}\"")).collect();
         return Err(r.value("type", format!("'{kind}' is not a kind of mechanism; use one of {}", known.join(", "))));
     }
     if !document.effects.is_empty() {
@@ -254,7 +294,14 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     let pivot = r.point("pivot", &document.pivot)?;
     let convention = PoseConvention { order: document.rotation_order, pivot };
     let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
-    let make = if kind == SIX_HARDPOINT { six_hardpoint } else { other_kind };
+    let make = match kind {
+        SIX_HARDPOINT => six_hardpoint,
+        POSE => pose_positioner,
+        _ => other_kind,
+    };
+    if kind != POSE && document.offset.is_some() {
+        return Err(r.value("[offset]", format!("means nothing for type \"{kind}\"; delete it")));
+    }
     let mut warnings = Vec::new();
     let (mechanism, nominal) = make(r, &document, &convention, home, &mut warnings)?;
     let workspace = match &document.workspace {
@@ -295,7 +342,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
     let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
-    kept_sections(r, &document)?;
+    let surroundings = Arc::new(surroundings(r, &document)?);
     warnings.extend(check_joints(r, &document)?);
     Ok(Machine {
         path: path.into(),
@@ -306,6 +353,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         noise,
         targets,
         contact,
+        surroundings,
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,
@@ -334,22 +382,6 @@ fn equal_anchors(r: &Reader<'_>, cause: GeometryError) -> FileError {
              meet there"
         ),
     )
-}
-
-/// Checks the sections that are only handed on.
-fn kept_sections(r: &Reader<'_>, document: &MechanismDocument) -> Result<(), FileError> {
-    if let Some(t) = document.reference_temperature {
-        r.finite("reference_temperature_degC", t)?;
-    }
-    if let Some(p) = &document.platform {
-        p.mass_kg.map(|v| r.known("[platform] mass_kg", v)).transpose()?;
-        p.centre_of_mass.map(|v| r.point("[platform] centre_of_mass", &v)).transpose()?;
-        p.payload_centre.map(|v| r.point("[platform] payload_centre", &v)).transpose()?;
-    }
-    if let Some(pitch) = document.actuator.as_ref().and_then(|a| a.screw_pitch) {
-        r.known("[actuator] screw_pitch", pitch)?;
-    }
-    Ok(())
 }
 
 fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {

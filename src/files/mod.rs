@@ -10,6 +10,7 @@
 mod column;
 mod document;
 mod error;
+mod extension;
 mod joint_columns;
 mod kinds;
 mod machine;
@@ -18,7 +19,10 @@ mod mechanism_reader;
 mod outputs;
 mod plane;
 mod pose_file;
+mod questions;
 mod readings;
+mod states;
+mod surroundings;
 mod table;
 mod time;
 mod urdf;
@@ -29,6 +33,7 @@ pub use document::{
     PlatformSection, TargetEntry, ToleranceSection, WorkspaceSection,
 };
 pub use error::FileError;
+pub use extension::{EffectEntry, OffsetSection, SensorEntry};
 pub use machine::Machine;
 pub use measurement_file::{Measurement, read_measurement};
 pub use outputs::Outputs;

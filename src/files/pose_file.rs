@@ -5,7 +5,9 @@ use std::path::Path;
 use super::column::{Meaning, POSE_NAMES, pose_dimension};
 use super::error::FileError;
 use super::machine::Machine;
+use super::states::States;
 use super::table::{Table, no_data_row, read_cells};
+use crate::conditions::Conditions;
 use crate::mechanism::{Mechanism, ParameterSpec};
 use crate::pose::Pose;
 use crate::units::{Dimension, Unit};
@@ -17,10 +19,12 @@ pub struct ListedPose {
     pub id: Option<String>,
     /// The pose.
     pub pose: Pose,
+    /// Operating state, from the other columns; the joints before are not known.
+    pub conditions: Conditions,
 }
 
 /// Reads a list of poses: columns x, y, z, rx, ry, rz with units, or a quaternion instead of the angles. Other
-/// columns are passed over.
+/// columns with numbers are covariates.
 ///
 /// # Errors
 /// [`FileError`] naming row, column and what to do.
@@ -46,7 +50,8 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
     let home = machine.convention.coordinates(&machine.mechanism.home());
     let id = find(Meaning::Id);
     let mut poses = Vec::with_capacity(table.rows.len());
-    for row in 0..table.rows.len() {
+    let States { states, .. } = States::read(&table, machine)?;
+    for (row, conditions) in states.into_iter().enumerate() {
         let mut q = home;
         for (k, column) in columns.iter().enumerate() {
             if let Some(column) = column {
@@ -59,7 +64,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
             q[3..].copy_from_slice(machine.convention.angles(&turn.to_rotation_matrix()).as_slice());
         }
         let id = id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
-        poses.push(ListedPose { id, pose: machine.convention.pose(&q) });
+        poses.push(ListedPose { id, pose: machine.convention.pose(&q), conditions });
     }
     Ok(poses)
 }

@@ -14,6 +14,11 @@ pub(super) fn parse_time(text: &str) -> Option<f64> {
     Some(days_since_1970(y, m, d) as f64 * 86_400.0 + seconds_of_day(clock)? - offset)
 }
 
+/// True for a time without a date.
+pub(super) fn is_dateless(text: &str) -> bool {
+    !text.trim().contains(['T', ' '])
+}
+
 fn split_zone(clock: &str) -> Option<(&str, f64)> {
     if let Some(clock) = clock.strip_suffix('Z') {
         return Some((clock, 0.0));

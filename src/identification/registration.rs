@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 use super::IdentifyError;
 use super::problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
-use crate::mechanism::{Mechanism, characteristic_length, motion_of_point};
+use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares};
 use crate::units::Dimension;
@@ -73,7 +73,7 @@ const TRACKER: f64 = 100.0;
 pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registration, IdentifyError> {
     let pairs = pairs(mechanism, data)?;
     let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
-    if pairs.len() < FEWEST {
+    if pairs.len() < FEWEST || !takes_frames(mechanism) {
         return Ok(unregistered(f64::NAN));
     }
     let size = characteristic_length(mechanism);
@@ -116,6 +116,12 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         }
         _ => Ok(unregistered(before)),
     }
+}
+
+/// False for a positioner in pose space, which cannot be carried into other frames or mounted in them: its offsets take up a
+/// constant difference.
+fn takes_frames(mechanism: &dyn Mechanism) -> bool {
+    !mechanism.parameters().iter().any(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
 }
 
 fn pairs(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pair>, IdentifyError> {

@@ -16,7 +16,8 @@
 //!
 //! [`Mechanism`] is the trait. It does not assume six legs, prismatic joints, 42 parameters or square
 //! closures: a mechanism of lower mobility states its structural constraints as further rows, a redundant one
-//! has more rows than six. [`SixHardpoint`] is the paper's mechanism in closed form. A consumer's own
+//! has more rows than six. [`SixHardpoint`] is the paper's mechanism in closed form; [`PosePositioner`] is
+//! commanded in coordinates of the pose. A consumer's own
 //! mechanism states its closure and derivatives and gets forward kinematics, motion blocks and, through
 //! them, identification; the suite [`crate::conformance`] compares every derivative with differences.
 
@@ -26,6 +27,7 @@ mod error;
 pub mod kinds;
 mod kinematics;
 mod parameter;
+mod pose_positioner;
 mod six_hardpoint;
 mod six_legs;
 mod survey;
@@ -43,6 +45,7 @@ pub use kinematics::{
     follow_joints, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point, settled,
 };
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
+pub use pose_positioner::PosePositioner;
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};
 pub use survey::Survey;

@@ -15,6 +15,7 @@ use crate::files::document::{
     ToleranceSection, WorkspaceSection,
 };
 use crate::files::error::{FileError, read_text};
+use crate::files::extension::{EffectEntry, SensorEntry};
 use crate::files::machine::SIX_HARDPOINT;
 use crate::pose::RotationOrder;
 
@@ -62,7 +63,9 @@ pub(super) struct SideDocument {
     #[serde(default, rename = "target")]
     targets: Vec<TargetEntry>,
     #[serde(default, rename = "effect")]
-    effects: Vec<toml::Table>,
+    effects: Vec<EffectEntry>,
+    #[serde(default, rename = "sensor")]
+    sensors: Vec<SensorEntry>,
 }
 
 /// A YAML file with the keys of gepetto's "extended URDF"; other keys are passed over.
@@ -332,6 +335,7 @@ impl SideDocument {
             plane: self.plane,
             targets: self.targets,
             effects: self.effects,
+            sensors: self.sensors,
             // A URDF states six legs, and no file that a calibration wrote.
             ..MechanismDocument::default()
         }

@@ -64,6 +64,7 @@ impl Machine {
             pivot: [0.0; 3],
             targets: Vec::new(),
             effects: Vec::new(),
+            sensors: Vec::new(),
             ..side.clone()
         };
         if !at_rest(&legs, &home) {
