@@ -147,6 +147,8 @@ fn the_generator_of_blind_cases_explains_the_files_of_another() {
             assert!((with - 685.0).abs() < 4.0 * 37.0, "{kind} {truth}: {with}");
             assert!(effects.is_empty() || without > with + 200.0);
         }
+    }
+}
 
 #[test]
 fn a_telescope_in_pose_space_is_read_and_calibrated() {
