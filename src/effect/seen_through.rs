@@ -162,6 +162,10 @@ impl MeasurementModel for SeenThrough {
         self.inner.rigid_pose(sample)
     }
 
+    fn coordinates(&self, sample: usize) -> Option<[f64; 6]> {
+        self.inner.coordinates(sample)
+    }
+
     fn target_frame(&self) -> TargetFrame {
         self.inner.target_frame()
     }

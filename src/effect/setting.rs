@@ -82,8 +82,8 @@ pub struct Recorded {
     pub gravity: bool,
     /// True if the samples are in a run, in the order of measuring.
     pub run: bool,
-    /// Smallest and largest length of a move of a joint from one sample to the next, in its unit.
-    pub moves: Option<[f64; 2]>,
+    /// Lengths of the moves of all joints from one sample to the next, in their units, in order of size.
+    pub moves: Vec<f64>,
     /// Number of samples.
     pub samples: usize,
 }
@@ -97,15 +97,12 @@ impl Recorded {
         for sample in samples {
             covariates.retain(|name| sample.conditions.covariates.contains_key(name));
         }
-        let mut moves: Option<[f64; 2]> = None;
+        let mut moves = Vec::new();
         for sample in data.iter() {
-            let Some(previous) = &sample.conditions.previous_joints else { continue };
-            for (now, before) in sample.joints.iter().zip(previous) {
-                let length = (now - before).abs();
-                let [least, most] = moves.unwrap_or([f64::INFINITY, 0.0]);
-                moves = Some([least.min(length), most.max(length)]);
-            }
+            let before = sample.conditions.previous_joints.iter().flatten();
+            moves.extend(sample.joints.iter().zip(before).map(|(now, before)| (now - before).abs()));
         }
+        moves.sort_by(f64::total_cmp);
         Self {
             covariates,
             gravity: data.iter().all(|s| s.conditions.gravity.is_some()),
@@ -113,6 +110,11 @@ impl Recorded {
             moves,
             samples: data.len(),
         }
+    }
+
+    /// Part of the moves that are shorter than a length.
+    pub fn shorter_moves(&self, length: f64) -> f64 {
+        self.moves.iter().take_while(|m| **m < length).count() as f64 / self.moves.len().max(1) as f64
     }
 
     /// True if every sample has the covariate.
