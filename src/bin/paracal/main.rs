@@ -4,6 +4,7 @@ mod calibrate;
 mod common;
 mod compensate;
 mod convert;
+mod effect_args;
 mod evaluate;
 mod inspect;
 mod select;
