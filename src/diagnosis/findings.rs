@@ -103,6 +103,7 @@ pub(super) fn findings(
         values,
         own,
         effects,
+        surroundings: (*subject.surroundings).clone(),
         frames: registration.frames,
         warnings,
     })

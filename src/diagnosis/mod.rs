@@ -137,6 +137,7 @@ fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
         values: Vec::new(),
         own: Vec::new(),
         effects: Vec::new(),
+        surroundings: Surroundings::default(),
         frames: data.frames,
         warnings: Vec::new(),
     }
