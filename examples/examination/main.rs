@@ -5,7 +5,7 @@
 //!
 //! Run with `cargo run --release --example examination`, which takes some minutes, or with
 //! `-- --only null --trials 1000 --seed 7 --verbose`. `--limits` prints the detection limits of the generator,
-//! `--noise-known` takes the stated noise at its word. The same seed gives the same tables on any number of threads.
+//! `--noise-known` takes the stated noise at its word, `--keep FOLDER` leaves the files there. The same seed gives the same tables on any number of threads.
 
 #[path = "../../tests/common/hidden/mod.rs"]
 mod hidden;
@@ -15,7 +15,7 @@ mod said;
 mod table;
 
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -35,12 +35,20 @@ struct Options {
     verbose: bool,
     limits: bool,
     noise_known: bool,
+    keep: Option<PathBuf>,
 }
 
 impl Options {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
-        let mut options =
-            Self { trials: 200, seed: 1, only: Vec::new(), verbose: false, limits: false, noise_known: false };
+        let mut options = Self {
+            trials: 200,
+            seed: 1,
+            only: Vec::new(),
+            verbose: false,
+            limits: false,
+            noise_known: false,
+            keep: None,
+        };
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or(format!("{word} needs a value"));
             match word.as_str() {
@@ -49,10 +57,12 @@ impl Options {
                 "--only" => options.only.extend(value()?.split(',').map(str::to_owned)),
                 "--verbose" => options.verbose = true,
                 "--limits" => options.limits = true,
+                "--keep" => options.keep = Some(value()?.into()),
                 "--noise-known" => options.noise_known = true,
                 _ => {
                     let keys: Vec<&str> = PAPERS.iter().map(|p| p.key).collect();
-                    let usage = "[--trials N] [--seed S] [--only ROW,…] [--verbose] [--limits] [--noise-known]";
+                    let usage =
+                        "[--trials N] [--seed S] [--only ROW,…] [--verbose] [--limits] [--noise-known] [--keep FOLDER]";
                     return Err(format!("'{word}' is unknown; {usage}; rows: {}", keys.join(" ")).into());
                 }
             }
@@ -73,9 +83,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if options.limits {
         return print_limits(options.seed);
     }
-    let folder = tempfile::tempdir()?;
+    let passing = tempfile::tempdir()?;
+    let folder = options.keep.as_deref().unwrap_or(passing.path());
     for paper in PAPERS.iter().filter(|paper| options.wants(paper)) {
-        let answers = examine(paper, &options, folder.path())?;
+        let answers = examine(paper, &options, folder)?;
         report(paper, &answers, options.verbose);
     }
     Ok(())

@@ -11,6 +11,7 @@ use super::result::{
     Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
 };
 use super::search::{Score, TIED, scores, separability};
+use super::settle::TOLD_APART;
 use super::table::Subject;
 use super::{DiagnoseError, Question};
 use crate::effect::ActiveEffect;
@@ -173,7 +174,8 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
     Ok(all)
 }
 
-/// Names within a factor of 20 in evidence.
+/// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
+/// one, unless one is a special case of the other.
 fn rivals(
     subject: &Subject<'_>,
     without: &Model<'_>,
@@ -183,20 +185,24 @@ fn rivals(
     others: &[Candidate],
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
-    let close = scores.iter().filter(|s| {
-        let c = &s.candidate;
-        c.group != name.group && s.rank > 0 && s.evidence > own - TIED && !others.contains(c)
-    });
     let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
-    let mut tied: Vec<Rival> = close
-        .map(|s| Rival {
-            effect: subject.groups[s.candidate.group].effect.name().into(),
-            leg: s.candidate.at(&subject.groups, &rows).leg,
-            row: s.candidate.at(&subject.groups, &rows).row,
-            behind: own - s.evidence,
-            separability: separability(without, &subject.groups, name, values, &s.candidate),
-        })
-        .collect();
+    let effect = |group: usize| &subject.groups[group].effect;
+    let mut tied: Vec<Rival> = Vec::new();
+    for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
+        let (mine, other) = (effect(name.group), effect(s.candidate.group));
+        let behind = own - s.evidence;
+        let related = mine.special_case_of().contains(&other.name()) || other.special_case_of().contains(&mine.name());
+        // What the data can hardly tell apart is not told apart by the sizes that are usual.
+        let reach = if related { TIED } else { 2.0 * TIED };
+        if behind > reach {
+            continue;
+        }
+        let separability = separability(without, &subject.groups, name, values, &s.candidate);
+        if behind <= TIED || separability < TOLD_APART {
+            let at = s.candidate.at(&subject.groups, &rows);
+            tied.push(Rival { effect: other.name().into(), leg: at.leg, row: at.row, behind, separability });
+        }
+    }
     tied.sort_by(|a, b| a.behind.total_cmp(&b.behind));
     tied
 }

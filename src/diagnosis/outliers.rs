@@ -9,7 +9,7 @@ use super::statistics::upper_quantile;
 use super::table::{Group, Table};
 
 /// Probability of a sound sample to be called a gross error.
-const LEVEL: f64 = 3e-7;
+const LEVEL: f64 = 1e-6;
 /// Rounds of fitting and judging.
 const ROUNDS: usize = 12;
 
