@@ -163,11 +163,6 @@ fn about(r: &Reader<'_>, place: &str, trouble: Trouble) -> FileError {
 }
 
 impl Machine {
-    /// The mechanism without the effects of its file.
-    pub fn plain(&self) -> &dyn Mechanism {
-        without_effects(self.mechanism.as_ref())
-    }
-
     /// The effects of its file that act on the measurement and not on the mechanism. Data that are read are seen through
     /// them.
     pub fn instrument(&self) -> &[ActiveEffect] {
