@@ -1,5 +1,5 @@
-//! Test suites for implementations of `Mechanism`, `MeasurementModel`, `Identifier`, `ObservabilityIndex` and
-//! `PoseSelector` (feature `conformance`).
+//! Test suites for implementations of `Mechanism`, `MeasurementModel`, `Identifier`, `ObservabilityIndex`,
+//! `PoseSelector` and `Effect` (feature `conformance`).
 //!
 //! What was written elsewhere is checked with one call in one test:
 //!
@@ -15,18 +15,21 @@
 //! | [`measurement()`] | derivatives against differences in any frames, covariances, starts, stated poses and points |
 //! | [`identifier()`] | exact data, order of samples, covariance against Monte Carlo, refusals |
 //! | [`index()`] | finite values, goal, directions, and that the fast form chooses as brute force does |
+//! | [`effect()`] | linearity, columns against forward kinematics, commands there and back |
 //! | [`selector()`] | number and feasibility of poses, repeatability on any threads, trace, unusual problems |
 //!
 //! The laws are those that the rest of the library relies on; a violation names the law, the parameter, joint, row or pose
 //! that breaks it, and both numbers. Everything is drawn with a fixed seed, so that a failure repeats.
 
 mod blocks;
+mod effect;
 mod identifier;
 mod index;
 mod measurement;
 mod mechanism;
 mod selector;
 
+pub use effect::effect;
 pub use identifier::identifier;
 pub use index::index;
 pub use measurement::measurement;

@@ -172,7 +172,7 @@ impl<'a> Model<'a> {
         let mut z = DMatrix::zeros(n, z_count);
         z.columns_mut(0, table.nuisance).copy_from(&table.a.columns(0, table.nuisance));
         z.columns_mut(table.nuisance, count).copy_from(&effects);
-        let mut normal = z.tr_mul(&z);
+        let mut normal = z.transpose() * &z;
         let weight = fitting.scale * fitting.scale;
         let mut corner = normal.view_mut((0, 0), (table.nuisance, table.nuisance));
         corner += &table.precision * weight;
@@ -195,7 +195,7 @@ impl<'a> Model<'a> {
         }
         let t = q.tr_mul(&table.r) + gradient;
         let residual = &table.r - &q * &t;
-        let w = q.tr_mul(&table.a);
+        let w = q.transpose() * &table.a;
         let dof = (fitting.rows as f64 - q.norm_squared()) / fitting.inflation;
         let noise = Noise { rss: residual.norm_squared() / fitting.inflation, dof, known: fitting.known };
         Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })
@@ -321,5 +321,26 @@ impl JointFunctions {
         let weighted = DMatrix::from_fn(f.nrows(), f.ncols(), |i, k| f[(i, k)] * self.square[i]);
         let square = f.tr_mul(&weighted);
         Asked::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
+    }
+
+    /// For functions that are one on a single sample each: the sums from each place of an order to its end.
+    pub(super) fn cumulated(&self, order: &[usize]) -> Vec<Asked> {
+        let mut w = DVector::zeros(self.w.nrows());
+        let (mut square, mut c) = (0.0, 0.0);
+        let mut all = Vec::with_capacity(order.len());
+        for k in order.iter().rev() {
+            w += self.w.column(*k);
+            square += self.square[*k];
+            c += self.along[*k];
+            let one = |v: f64| DMatrix::from_element(1, 1, v);
+            all.push(Asked::of(
+                &one(square),
+                &one(square - w.norm_squared()),
+                &DVector::from_element(1, c),
+                self.inflation,
+            ));
+        }
+        all.reverse();
+        all
     }
 }

@@ -95,6 +95,11 @@ impl<'a> Trial<'a> {
         if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
             return None;
         }
+        // Where nothing is commanded, poses have nothing to contradict.
+        let still = data.iter().all(|s| s.joints == data.sample(0).joints);
+        if still {
+            return None;
+        }
         let mut table = Table { joints: Vec::new(), poses: Vec::new(), convention: *convention };
         for k in 0..data.len() {
             let (model, index) = data.reading(k);
@@ -195,7 +200,7 @@ impl<'a> Trial<'a> {
             if step == steps {
                 break;
             }
-            let mut normal = a.tr_mul(&a) + &self.precision;
+            let mut normal = a.transpose() * &a + &self.precision;
             for k in 0..n {
                 normal[(k, k)] *= 1.0 + 1e-12;
             }

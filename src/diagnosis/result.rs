@@ -1,5 +1,6 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
+use super::table::Group;
 use crate::effect::{ActiveEffect, Acts};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;
@@ -40,8 +41,8 @@ pub struct CauseParameter {
     pub name: String,
     /// Value, SI.
     pub value: f64,
-    /// 1σ, with the estimated noise.
-    pub sigma: f64,
+    /// 1σ, with the estimated noise; `None` if the data do not see the parameter.
+    pub sigma: Option<f64>,
     /// What it measures.
     pub dimension: Dimension,
     /// Usual size in sound machines.
@@ -55,6 +56,8 @@ pub struct Rival {
     pub effect: String,
     /// Its leg, from 0.
     pub leg: Option<usize>,
+    /// Data row from which on it acts.
+    pub row: Option<usize>,
     /// How much less evidence it has, nats; below zero if it has more.
     pub behind: f64,
     /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.
@@ -181,6 +184,15 @@ pub struct NotTestable {
     pub missing: Vec<String>,
 }
 
+impl NotTestable {
+    /// An effect whose columns the data do not see, because what it depends on hardly changes.
+    pub(super) fn unchanging(group: &Group) -> Self {
+        let covariates = group.effect.covariates(&group.places[0].at);
+        let what = if covariates.is_empty() { "what it depends on".into() } else { covariates.join(", ") };
+        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
+    }
+}
+
 /// The answer.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
@@ -212,6 +224,8 @@ pub struct Diagnosis {
     pub noise_scale: f64,
     /// Number of samples.
     pub samples: usize,
+    /// Names of the joints, which causes and findings count as legs.
+    pub joints: Vec<String>,
     /// Values of the parameters of the mechanism without effects, in the frames of its drawing; empty if the file was
     /// misread.
     pub values: Vec<f64>,

@@ -11,7 +11,7 @@ use super::mechanism_reader::Reader;
 use crate::conditions::Conditions;
 use crate::effect::{
     ActiveEffect, Acts, Effect, Extended, Recorded, Scan, ScanPoint, Setting, Surroundings, catalogue, effect,
-    effects_of, without_effects,
+    effects_of,
 };
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};

@@ -4,10 +4,12 @@ mod calibrate;
 mod common;
 mod compensate;
 mod convert;
+mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
 mod select;
+mod settle;
 mod simulate;
 mod urdf_args;
 
@@ -50,6 +52,10 @@ enum Command {
     Simulate(simulate::Args),
     /// Parameters from measured data, and how far to trust them.
     Calibrate(calibrate::Args),
+    /// What the model gets wrong, by name, and how much is gained.
+    Diagnose(diagnose::Args),
+    /// The extra measurements that would separate tied causes.
+    Settle(settle::Args),
     /// Errors of a model on measured data; nothing is fitted.
     Evaluate(evaluate::Args),
     /// Leg lengths to command for poses.
@@ -74,6 +80,8 @@ fn main() -> ExitCode {
         Command::Select(args) => select::run(args, &ui),
         Command::Simulate(args) => simulate::run(args, &ui),
         Command::Calibrate(args) => calibrate::run(args, &ui),
+        Command::Diagnose(args) => diagnose::run(args, &ui),
+        Command::Settle(args) => settle::run(args, &ui),
         Command::Evaluate(args) => evaluate::run(args, &ui),
         Command::Compensate(args) => compensate::run(args, &ui),
         Command::Convert(args) => convert::run(args, &ui),

@@ -1,10 +1,14 @@
 //! Tables and sentences for a terminal of 80 columns.
 
+mod diagnosis;
 mod inspection;
 mod selection;
+mod settlement;
 
+pub use diagnosis::diagnosis;
 pub use inspection::{Inspection, inspection};
 pub use selection::{Selection, selection};
+pub use settlement::{detection_limits, settlement};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};

@@ -1,5 +1,11 @@
 //! One JSON object for each command. Numbers are SI; what is not known is `null`.
 
+mod diagnosis;
+mod settlement;
+
+pub use diagnosis::diagnosis;
+pub use settlement::{detection_limits, settlement};
+
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 

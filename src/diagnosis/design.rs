@@ -1,0 +1,67 @@
+//! Questions to measurements that are only planned: poses and conditions, but no readings.
+
+use std::sync::Arc;
+
+use super::limits::limit;
+use super::model::{Fitting, Model};
+use super::result::{NotFound, NotTestable};
+use super::table::{Point, Subject, Table};
+use super::{DiagnoseError, Question, TOLERANCES};
+use crate::identification::{IdentifyError, Prior};
+use crate::measurement::{Dataset, Noise, PoseMeasurement, Sample};
+use crate::mechanism::Mechanism;
+use crate::pose::{Pose, PoseConvention};
+
+/// The samples as full poses that are measured just where the mechanism says, with this noise.
+///
+/// # Errors
+/// [`IdentifyError::Sample`] if a sample has no pose.
+pub fn planned(
+    mechanism: &dyn Mechanism,
+    samples: Vec<Sample>,
+    convention: PoseConvention,
+    noise: Noise,
+) -> Result<Dataset, IdentifyError> {
+    let pose = |(k, s): (usize, &Sample)| {
+        mechanism
+            .forward(mechanism.values(), &s.joints, &s.conditions, &mechanism.home())
+            .map_err(|cause| IdentifyError::Sample { row: k, label: String::new(), cause })
+    };
+    let poses: Vec<Pose> = samples.iter().enumerate().map(pose).collect::<Result<_, _>>()?;
+    let model = PoseMeasurement::full(convention, &poses, noise.position, noise.rotation);
+    Ok(Dataset::new(samples, Arc::new(model), noise))
+}
+
+/// What planned samples would see, effect by effect: the limits of those that they see, with the noise as stated, and what
+/// the others miss. `question.data` are the planned samples.
+///
+/// # Errors
+/// [`DiagnoseError`] if the samples decide too little.
+pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<NotTestable>), DiagnoseError> {
+    let prior = Prior::wide(question.mechanism, TOLERANCES);
+    let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
+    let (subject, missing) = Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
+    let table = table_of(&subject)?;
+    let model = model_of(&subject, &table)?;
+    let mut limits = Vec::new();
+    let mut missing: Vec<NotTestable> =
+        missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
+    for group in &subject.groups {
+        match limit(&model, group, subject.groups.len()) {
+            Some(found) => limits.push(found),
+            None => missing.push(NotTestable::unchanging(group)),
+        }
+    }
+    Ok((limits, missing))
+}
+
+/// Columns at the values of the mechanism, without effects.
+pub(super) fn table_of(subject: &Subject<'_>) -> Result<Table, DiagnoseError> {
+    subject.table(&Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 })
+}
+
+/// The parameters alone, with the noise as stated.
+pub(super) fn model_of<'a>(subject: &Subject<'_>, table: &'a Table) -> Result<Model<'a>, DiagnoseError> {
+    let fitting = Fitting { rows: table.r.len(), scale: 1.0, inflation: 1.0, known: true };
+    Model::fit(table, &subject.groups, Vec::new(), &fitting)
+}

@@ -1,0 +1,103 @@
+//! The object of `diagnose`.
+
+use serde_json::{Value, json};
+
+use super::{errors, motion, real};
+use crate::diagnosis::{Cause, Diagnosis, Unknown};
+use crate::effect::Acts;
+use crate::pose::Pose;
+
+/// The object of `diagnose`.
+pub fn diagnosis(d: &Diagnosis) -> Value {
+    let g = &d.gain;
+    let limits = d.not_found.iter().map(
+        |n| json!({ "effect": n.effect, "limit": real(n.limit), "unit": n.dimension.si(), "parameter": n.parameter }),
+    );
+    let not_testable: Vec<Value> =
+        d.not_testable.iter().map(|n| json!({ "effect": n.effect, "missing": n.missing })).collect();
+    let frames = (d.frames.base != Pose::identity() || d.frames.target != Pose::identity())
+        .then(|| json!({ "base": motion(&d.frames.base), "target": motion(&d.frames.target) }));
+    json!({
+        "verdict": d.verdict.word(),
+        "causes": d.causes.iter().map(cause).collect::<Vec<_>>(),
+        "unknown": d.unknown.as_ref().map(unknown),
+        "misread": d.misread.as_ref().map(|m| json!({
+            "reading": m.reading, "detail": m.detail, "factor": real(m.factor), "tied_with": m.tied_with,
+        })),
+        "outlier_rows": d.outlier_rows,
+        "noise_varies": d.noise_varies.as_ref().map(|n| json!({
+            "covariate": n.covariate, "ratio": real(n.ratio), "p_value": real(n.p_value),
+        })),
+        "row_correlation": d.correlation.map(real),
+        "gain": {
+            "position_before_m": g.position_before.map(real),
+            "position_after_m": g.position_after.map(real),
+            "rotation_before_rad": g.rotation_before.map(real),
+            "rotation_after_rad": g.rotation_after.map(real),
+            "blocked_position_before_m": g.blocked_position_before.map(real),
+            "blocked_position_after_m": g.blocked_position_after.map(real),
+            "noise_floor_position_m": g.noise_floor_position.map(real),
+            "noise_floor_rotation_rad": g.noise_floor_rotation.map(real),
+        },
+        "residual_before": errors(&d.before),
+        "residual_after": errors(&d.after),
+        "noise_scale": real(d.noise_scale),
+        "samples": d.samples,
+        "not_found": limits.collect::<Vec<_>>(),
+        "not_testable": not_testable,
+        "frames": frames,
+        "warnings": d.warnings,
+    })
+}
+
+fn cause(c: &Cause) -> Value {
+    let mut parameters: Vec<Value> = c
+        .parameters
+        .iter()
+        .map(
+            |p| json!({ "name": p.name, "value": real(p.value), "sigma": p.sigma.map(real), "unit": p.dimension.si() }),
+        )
+        .collect();
+    if let Some(row) = c.row {
+        parameters.push(json!({ "name": "row", "value": row, "sigma": null, "unit": "1" }));
+    }
+    let tied: Vec<&str> = c.tied_with.iter().map(|r| r.effect.as_str()).collect();
+    let rivals: Vec<Value> = c
+        .tied_with
+        .iter()
+        .map(|r| {
+            json!({
+                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "behind": real(r.behind),
+                "separability": real(r.separability),
+            })
+        })
+        .collect();
+    json!({
+        "effect": c.effect,
+        "cause": c.cause,
+        "remedy": c.remedy,
+        "acts_on": if c.acts_on == Acts::Mechanism { "mechanism" } else { "measurement" },
+        "leg": c.leg.map(|leg| leg + 1),
+        "of": c.of,
+        "parameters": parameters,
+        "p_value": real(c.p_value),
+        "evidence": real(c.evidence),
+        "tied_with": tied,
+        "rivals": rivals,
+        "size_over_limit": real(c.size_over_limit),
+        "tentative": c.tentative,
+        "plausible": c.plausible,
+    })
+}
+
+fn unknown(u: &Unknown) -> Value {
+    json!({
+        "covariate": u.covariate,
+        "leg": u.leg.map(|leg| leg + 1),
+        "test": u.test,
+        "p_value": real(u.p_value),
+        "period": u.period.map(real),
+        "runner_up": u.runner_up,
+        "withdrawn": u.withdrawn,
+    })
+}

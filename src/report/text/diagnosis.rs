@@ -1,0 +1,205 @@
+//! The diagnosis in words.
+
+use super::{errors_row, table};
+use crate::diagnosis::{Cause, Diagnosis, Unknown, Verdict};
+use crate::effect::Acts;
+use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
+
+/// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
+pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
+    let mut text = format!("{title}: {} samples\n\n{}\n", d.samples, verdict(d));
+    if d.verdict == Verdict::Misread {
+        return text;
+    }
+    for cause in &d.causes {
+        text += &format!("\n{}", cause_text(d, cause));
+    }
+    if let Some(unknown) = &d.unknown {
+        text += &format!("\n{}", unknown_text(d, unknown));
+    }
+    text += &format!("\n{}", errors_text(d));
+    if !d.outlier_rows.is_empty() {
+        let rows: Vec<String> = d.outlier_rows.iter().map(usize::to_string).collect();
+        text += &format!("\ngross errors, left out: data rows {}\n", shortened(&rows));
+    }
+    if let Some(n) = &d.noise_varies {
+        text += &format!(
+            "\nthe noise varies with {}: {} times as large at the end of its range as at the beginning (p {})\n",
+            n.covariate,
+            three_digits(n.ratio),
+            show_probability(n.p_value)
+        );
+    }
+    if let Some(rho) = d.correlation {
+        text += &format!(
+            "\neach row repeats part of the one before (correlation {rho:.2}); tests count {:.0} % of the rows\n",
+            100.0 * (1.0 - rho) / (1.0 + rho)
+        );
+    }
+    text += &lists(d);
+    text
+}
+
+/// ` at leg 3`, or the coordinate that a joint stands for.
+fn at_leg(d: &Diagnosis, leg: Option<usize>) -> String {
+    let Some(leg) = leg else { return String::new() };
+    match d.joints.get(leg).and_then(|name| name.strip_prefix("cmd_")) {
+        Some(coordinate) => format!(" in {coordinate}"),
+        None => format!(" at leg {}", leg + 1),
+    }
+}
+
+fn name_of(d: &Diagnosis, effect: &str, leg: Option<usize>) -> String {
+    format!("{effect}{}", at_leg(d, leg))
+}
+
+fn verdict(d: &Diagnosis) -> String {
+    let names: Vec<String> = d.causes.iter().map(|c| name_of(d, &c.effect, c.leg)).collect();
+    let names = names.join(" and ");
+    match d.verdict {
+        Verdict::Clean => "CLEAN: what the model leaves is consistent with noise.".into(),
+        Verdict::Named => format!("NAMED: {names}."),
+        Verdict::Tied => {
+            let rivals: Vec<&str> =
+                d.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.as_str()).collect();
+            format!("TIED: {names}, but these data do not exclude {}.", rivals.join(", "))
+        }
+        Verdict::Unknown => {
+            let what = d.unknown.as_ref().map_or_else(String::new, |u| where_it_is(d, u));
+            let beside = if names.is_empty() { String::new() } else { format!(" beside {names}") };
+            format!("UNKNOWN{beside}: something that no name explains{what}.")
+        }
+        Verdict::Misread => d.misread.as_ref().map_or_else(String::new, |m| {
+            let rivals = match m.tied_with.is_empty() {
+                true => String::new(),
+                false => format!("\nJust as likely: {}.", m.tied_with.join("; ")),
+            };
+            format!(
+                "MISREAD ({}): {}.\nRead that way the data fit {} times better. Nothing was fitted; correct the file and try \
+                 again.{rivals}",
+                m.reading,
+                m.detail,
+                three_digits(m.factor)
+            )
+        }),
+    }
+}
+
+fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
+    let leg = at_leg(d, u.leg);
+    match (&u.covariate, u.test) {
+        (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
+        (None, "scatter") => format!(", scatters{leg} and depends on nothing that was recorded"),
+        (None, _) => ", larger than the stated noise".into(),
+    }
+}
+
+fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
+    let mut text = format!("unknown{} (p {}", where_it_is(d, u), show_probability(u.p_value));
+    if let Some(period) = u.period {
+        text += &format!(", repeats every {} in SI units", three_digits(period));
+    }
+    text += ")\n";
+    if let Some(other) = &u.runner_up {
+        text += &format!("  {other} explains nearly as much\n");
+    }
+    if !u.withdrawn.is_empty() {
+        text += &format!("  it explains more than {} together, which are withdrawn\n", u.withdrawn.join(" and "));
+    }
+    text
+}
+
+fn cause_text(d: &Diagnosis, c: &Cause) -> String {
+    let place = c.row.map_or_else(String::new, |row| format!(" from data row {row} on"));
+    let of = c.of.as_ref().map_or_else(String::new, |of| format!(" ({of})"));
+    let mut text = format!("{}{of}{place}: {}\n", name_of(d, &c.effect, c.leg), c.cause);
+    let rows: Vec<Vec<String>> = c
+        .parameters
+        .iter()
+        .map(|p| {
+            let shown = |v: f64| show_quantity(v, p.dimension);
+            vec![
+                format!("  {}", p.name),
+                shown(p.value),
+                p.sigma.map_or_else(|| "not seen".into(), shown),
+                shown(p.scale),
+            ]
+        })
+        .collect();
+    text += &table(&["  parameter", "value", "sigma", "usual size"], &rows);
+    text += &format!(
+        "  {} times the detection limit{}; p {}; evidence {} nats{}\n",
+        three_digits(c.size_over_limit),
+        if c.tentative { " (tentative)" } else { "" },
+        show_probability(c.p_value),
+        three_digits(c.evidence),
+        if c.plausible { "" } else { "; the value is far from what is usual" },
+    );
+    for r in &c.tied_with {
+        text += &format!(
+            "  not excluded: {} ({} nats behind; separability {}, about 10 is needed)\n",
+            name_of(d, &r.effect, r.leg),
+            three_digits(r.behind),
+            three_digits(r.separability)
+        );
+    }
+    if c.acts_on == Acts::Measurement {
+        text += "  it moves the readings and not the platform\n";
+    }
+    text + &format!("  what to do: {}\n", c.remedy)
+}
+
+fn errors_text(d: &Diagnosis) -> String {
+    let g = &d.gain;
+    let summary = |position, rotation| crate::identification::ErrorSummary { position, rotation };
+    let mut rows = vec![errors_row("residual, parameters alone", &d.before)];
+    let named = !d.causes.is_empty();
+    if named {
+        rows.push(errors_row("residual, with the causes", &d.after));
+    }
+    rows.push(errors_row("held out, parameters alone", &summary(g.position_before, g.rotation_before)));
+    if named {
+        rows.push(errors_row("held out, with the causes", &summary(g.position_after, g.rotation_after)));
+        rows.push(errors_row("held out in blocks, parameters alone", &summary(g.blocked_position_before, None)));
+        rows.push(errors_row("held out in blocks, with the causes", &summary(g.blocked_position_after, None)));
+    }
+    rows.push(errors_row("stated noise", &summary(g.noise_floor_position, g.noise_floor_rotation)));
+    let mut text = table(&["rms of vector lengths", "position", "rotation"], &rows);
+    if let (true, Some(before), Some(after), Some(_)) =
+        (named, g.position_before, g.position_after, g.noise_floor_position)
+    {
+        // The floor of these data and not the stated one: the noise may be larger than stated.
+        let floor = d.after.position.unwrap_or(0.0).min(after);
+        let removable = before * before - floor * floor;
+        if removable > 0.0 {
+            let part = 100.0 * (before * before - after * after) / removable;
+            text += &format!(
+                "the causes take away {} of position and {} of rotation on rows that were not fitted: {part:.0} % of the \
+                 variance above the noise\n",
+                show_length(before - after),
+                g.rotation_before.zip(g.rotation_after).map_or_else(|| "-".into(), |(b, a)| show_angle(b - a)),
+            );
+        }
+    }
+    text
+}
+
+fn lists(d: &Diagnosis) -> String {
+    let mut text = String::new();
+    if !d.not_found.is_empty() {
+        let rows: Vec<Vec<String>> = d
+            .not_found
+            .iter()
+            .map(|n| vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)])
+            .collect();
+        text += "\nlooked for and not found; this size would have been seen with 95 % probability:\n";
+        text += &table(&["effect", "parameter", "limit"], &rows);
+    }
+    if !d.not_testable.is_empty() {
+        text += "\nnot testable with these data:\n";
+        for n in &d.not_testable {
+            text += &format!("  {}: needs {}\n", n.effect, n.missing.join(", "));
+        }
+    }
+    text
+}

@@ -1,0 +1,57 @@
+//! Measurements that settle a tie, and what a campaign would see, in words.
+
+use super::table;
+use crate::diagnosis::{Diagnosis, NotFound, NotTestable, Plan, TOLD_APART};
+use crate::units::{show_quantity, three_digits};
+
+/// The plans, best first.
+pub fn settlement(found: &Diagnosis, plans: &[Plan], title: &str) -> String {
+    if plans.is_empty() {
+        let word = found.verdict.word();
+        return format!("{title}: the verdict is {word}; there is no tie to settle\n");
+    }
+    let mut text = format!("{title}: what would tell the rivals apart (separability; {TOLD_APART} is needed)\n\n");
+    let pairs: Vec<String> = plans[0].separations.iter().map(|s| format!("{} / {}", s.effect, s.rival)).collect();
+    for (k, pair) in pairs.iter().enumerate() {
+        text += &format!("  ({}) {pair}\n", k + 1);
+    }
+    text.push('\n');
+    let numbers: Vec<String> = (1..=pairs.len()).map(|k| format!("({k})")).collect();
+    let mut header = vec!["measure"];
+    header.extend(numbers.iter().map(String::as_str));
+    let rows: Vec<Vec<String>> = plans
+        .iter()
+        .map(|p| {
+            let cells = p.separations.iter().map(|s| three_digits(s.separability));
+            std::iter::once(p.what.clone()).chain(cells).collect()
+        })
+        .collect();
+    text += &table(&header, &rows);
+    let best = &plans[0];
+    text += &match best.settles() {
+        true => format!("\nMeasure {}: it tells all of them apart.\n", best.what),
+        false => format!(
+            "\nNone of these settles everything; the most telling is {} (weakest pair {}).\n",
+            best.what,
+            three_digits(best.weakest())
+        ),
+    };
+    text
+}
+
+/// What a planned campaign would see.
+pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> String {
+    let rows: Vec<Vec<String>> = limits
+        .iter()
+        .map(|n| vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)])
+        .collect();
+    let mut text = "seen with 95 % probability from this size on:\n".to_owned();
+    text += &table(&["effect", "parameter", "limit"], &rows);
+    if !missing.is_empty() {
+        text += "\nnot testable with this campaign:\n";
+        for n in missing {
+            text += &format!("  {}: needs {}\n", n.effect, n.missing.join(", "));
+        }
+    }
+    text
+}
