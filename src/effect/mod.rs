@@ -24,6 +24,7 @@
 //! it unchanged. Effects on the measurement are parameters of the measurement ([`SeenThrough`]).
 
 pub mod catalogue;
+mod compensator;
 mod extended;
 mod needs;
 mod perturbation;
@@ -34,6 +35,7 @@ mod setting;
 use std::fmt::Debug;
 
 pub use catalogue::{catalogue, effect};
+pub use compensator::{Compensated, Compensator, Extrapolated};
 pub(crate) use extended::label;
 pub use extended::{ActiveEffect, Extended, effects_of, without_effects};
 pub use perturbation::Perturbation;

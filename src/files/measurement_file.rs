@@ -18,12 +18,14 @@ use crate::units::Dimension;
 /// A measurement file, read.
 #[derive(Debug)]
 pub struct Measurement {
-    /// Samples, readings and noise.
+    /// Samples, readings and noise, seen through the instrument of the mechanism file.
     pub data: Dataset,
     /// The targets, if points were measured.
     pub targets: Option<Arc<TargetMeasurement>>,
     /// The heights over a plane, if they were measured.
     pub contacts: Option<Arc<PlaneContact>>,
+    /// The same data without the effects of the mechanism file on the measurement.
+    pub as_read: Dataset,
     /// The effects of the mechanism file through which the readings are seen.
     pub instrument: Vec<ActiveEffect>,
     /// What the user should know.
@@ -92,11 +94,11 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
             contacts
         }
     };
-    let data = Dataset::new(samples, model, noise);
-    let data = SeenThrough::wrap(&data, machine.plain(), &machine.surroundings, &machine.instrument)
+    let as_read = Dataset::new(samples, model, noise);
+    let data = SeenThrough::wrap(&as_read, machine.plain(), &machine.surroundings, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
     let instrument = machine.instrument.clone();
-    Ok(Measurement { data, targets: measured_targets, contacts: measured_contacts, instrument, warnings })
+    Ok(Measurement { data, as_read, targets: measured_targets, contacts: measured_contacts, instrument, warnings })
 }
 
 /// Labels, joints and operating states.

@@ -50,8 +50,8 @@ pub fn state(joints: &[f64]) -> Conditions {
     ] {
         state.covariates.insert(name.into(), value);
     }
-    let el = 0.7_f64;
-    state.gravity = Some(Vector3::new(el.cos(), 0.0, -el.sin()));
+    // Along no axis.
+    state.gravity = Some(Vector3::new(0.6, 0.48, -0.64));
     state
 }
 

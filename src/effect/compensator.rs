@@ -1,0 +1,157 @@
+//! What to command so that a mechanism with effects takes a pose.
+
+use std::sync::Arc;
+
+use super::{ActiveEffect, Acts, Extended, Recorded, Setting, Surroundings, seen, to_be_seen_at};
+use crate::conditions::{Conditions, Run};
+use crate::mechanism::{GeometryError, KinematicsError, Mechanism, settled};
+use crate::pose::Pose;
+
+/// Commands poses one after the other, the first one from home.
+///
+/// Effects on joints and geometry are compensated; play and backlash by the poses that were commanded before. Drifts and
+/// steps describe one run and are not carried on. What only the instrument sees is compensated where the poses are asked
+/// for as it sees them, and then sagging frames only.
+#[derive(Debug)]
+pub struct Compensator {
+    model: Extended,
+    instrument: Vec<ActiveEffect>,
+    left_out: Vec<ActiveEffect>,
+    /// True if an effect depends on all joints that were commanded before.
+    remembers: bool,
+    commanded: Vec<Vec<f64>>,
+}
+
+/// The answer for one pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compensated {
+    /// Joints to command.
+    pub joints: Vec<f64>,
+    /// The pose that the platform takes; of lower mobility it takes the wanted one as far as its joints control it.
+    pub taken: Pose,
+    /// The same as it is asked for: where the instrument sees it, or as it is.
+    pub seen: Pose,
+    /// Effects that did nothing, with what they need and the state has not.
+    pub lacking: Vec<(String, Vec<String>)>,
+    /// Covariates outside of the range on which an effect was fitted.
+    pub outside: Vec<Extrapolated>,
+}
+
+/// A covariate outside of the range on which an effect was fitted, SI and °C.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extrapolated {
+    /// What the effect is called, with its place.
+    pub effect: String,
+    /// The covariate.
+    pub covariate: String,
+    /// Its value.
+    pub value: f64,
+    /// The range.
+    pub range: [f64; 2],
+}
+
+/// Rounds in which joints and their own history settle; only a pose inside of a play needs more than a few.
+const ROUNDS: usize = 1000;
+/// Joints that change by less, m or rad, have settled.
+const SETTLED: f64 = 1e-13;
+
+/// True for what describes one run and predicts no other.
+fn describes_one_run(effect: &ActiveEffect) -> bool {
+    let name = effect.effect.name();
+    name.starts_with("drift.") || name.starts_with("step.")
+}
+
+impl Compensator {
+    /// For a mechanism without effects and these effects. `as_seen` if poses are asked for as the instrument sees them.
+    ///
+    /// # Errors
+    /// [`GeometryError`] if the mechanism cannot be copied.
+    pub fn new(
+        plain: &dyn Mechanism,
+        surroundings: &Arc<Surroundings>,
+        effects: &[ActiveEffect],
+        as_seen: bool,
+    ) -> Result<Self, GeometryError> {
+        let (left_out, used): (Vec<ActiveEffect>, Vec<ActiveEffect>) = effects
+            .iter()
+            .cloned()
+            .partition(|e| describes_one_run(e) || (e.effect.acts_on() == Acts::Measurement && !as_seen));
+        let (moving, instrument): (Vec<_>, Vec<_>) =
+            used.into_iter().partition(|e| e.effect.acts_on() == Acts::Mechanism);
+        let inner = plain.with_values(plain.values(), plain.home())?;
+        let model = Extended::new(inner, Arc::clone(surroundings), moving);
+        let setting = Setting::new(model.inner(), surroundings);
+        let needs_run = |e: &ActiveEffect| {
+            let without = Recorded { run: false, ..Recorded::everything(&setting, &e.at) };
+            !e.effect.missing(&setting, &without).is_empty()
+        };
+        let remembers = model.effects().iter().any(needs_run);
+        Ok(Self { model, instrument, left_out, remembers, commanded: Vec::new() })
+    }
+
+    /// The effects that are compensated.
+    pub fn compensated(&self) -> impl Iterator<Item = &ActiveEffect> {
+        self.model.effects().iter().chain(&self.instrument)
+    }
+
+    /// The effects that are not.
+    pub fn left_out(&self) -> &[ActiveEffect] {
+        &self.left_out
+    }
+
+    /// What to command for a pose in a state.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] if the pose has no joints.
+    pub fn command(&mut self, wanted: &Pose, state: &Conditions) -> Result<Compensated, KinematicsError> {
+        let surroundings = Arc::clone(self.model.surroundings());
+        let setting = Setting::new(self.model.inner(), &surroundings);
+        let recorded = Recorded::of_state(state);
+        let mut lacking = Vec::new();
+        let mut acts = |effect: &ActiveEffect| {
+            let names = effect.lacking(&setting, &recorded);
+            let acts = names.is_empty();
+            if !acts {
+                lacking.push((effect.label(), names));
+            }
+            acts
+        };
+        // An effect with values of zero does nothing.
+        let mut values = self.model.inner().values().to_vec();
+        for effect in self.model.effects() {
+            let factor = if acts(effect) { 1.0 } else { 0.0 };
+            values.extend(effect.values.iter().map(|v| v * factor));
+        }
+        let instrument: Vec<ActiveEffect> = self.instrument.iter().filter(|e| acts(e)).cloned().collect();
+        let home = setting.home_joints().to_vec();
+        let target = to_be_seen_at(&instrument, &setting, &home, wanted, state);
+
+        let mut at = state.clone();
+        let row = self.commanded.len();
+        at.previous_joints = Some(self.commanded.last().cloned().unwrap_or(home));
+        let (mut taken, mut joints) = settled(&self.model, &values, &target, &at)?;
+        // What depends on the whole history depends on the command itself, which is its last row.
+        let mut history = if self.remembers { self.commanded.clone() } else { Vec::new() };
+        history.push(joints.clone());
+        for _ in 0..if self.remembers { ROUNDS } else { 0 } {
+            at.run = Some(Run { row, part: 0.0, joints: history.clone().into() });
+            (taken, joints) = settled(&self.model, &values, &target, &at)?;
+            let change = joints.iter().zip(&history[row]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            history[row].clone_from(&joints);
+            // Also where a number is not finite.
+            if !(change > SETTLED) {
+                break;
+            }
+        }
+        let seen = seen(&instrument, &setting, &joints, &taken, state);
+        let used = self.model.effects().iter().chain(&instrument);
+        let active = used.filter(|e| lacking.iter().all(|(label, _)| *label != e.label()));
+        let outside = active.flat_map(|e| {
+            let named = |(covariate, value, range)| Extrapolated { effect: e.label(), covariate, value, range };
+            e.outside_range(&at, &joints).into_iter().map(named)
+        });
+        let answer = Compensated { outside: outside.collect(), joints: joints.clone(), taken, seen, lacking };
+        self.commanded.push(joints);
+        Ok(answer)
+    }
+}
