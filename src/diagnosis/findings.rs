@@ -44,8 +44,7 @@ pub(super) fn findings(
     let mut effects = explored.point.effects.clone();
     let mut withdrawn = false;
     if !explored.names.is_empty() {
-        let values = explored.names.iter().map(|n| subject.groups[n.group].parameters.len()).sum();
-        let worth = worth_of(&model, &without, values) - price_of_places(subject, &explored.names);
+        let worth = worth_of(&without, &subject.groups, &explored.names) - price_of_places(subject, &explored.names);
         if let Some(found) = rival(&without, &known, worth, TIED) {
             let names = causes.iter().map(|c| c.effect.clone()).collect();
             unknown = Some(Unknown { withdrawn: names, ..found });

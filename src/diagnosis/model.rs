@@ -97,7 +97,7 @@ impl Asked {
             let fit = match noise.known {
                 true => 0.5 * q,
                 false => {
-                    let part = (q * variance / noise.rss).min(1.0 - 1e-15);
+                    let part = (q * variance / noise.objective).min(1.0 - 1e-15);
                     -0.5 * noise.dof * (-part).ln_1p()
                 }
             };
@@ -197,7 +197,9 @@ impl<'a> Model<'a> {
         let residual = &table.r - &q * &t;
         let w = q.transpose() * &table.a;
         let dof = (fitting.rows as f64 - q.norm_squared()) / fitting.inflation;
-        let noise = Noise { rss: residual.norm_squared() / fitting.inflation, dof, known: fitting.known };
+        let rss = residual.norm_squared() / fitting.inflation;
+        let whole = (table.r.norm_squared() + table.penalty * weight - t.norm_squared()) / fitting.inflation;
+        let noise = Noise { rss, objective: whole.max(rss), dof, known: fitting.known };
         Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })
     }
 
@@ -206,6 +208,20 @@ impl<'a> Model<'a> {
         let x = self.table.a.columns(columns.start, columns.len());
         let w = self.w.columns(columns.start, columns.len());
         let square = x.tr_mul(&x);
+        Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+    }
+
+    /// The columns of these candidates together.
+    pub(super) fn ask_all(&self, groups: &[Group], candidates: &[Candidate]) -> Asked {
+        let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(self.table, groups, c)).collect();
+        let mut x = DMatrix::zeros(self.table.r.len(), blocks.iter().map(DMatrix::ncols).sum());
+        let mut at = 0;
+        for block in &blocks {
+            x.columns_mut(at, block.ncols()).copy_from(block);
+            at += block.ncols();
+        }
+        let w = self.q.transpose() * &x;
+        let square = x.transpose() * &x;
         Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
     }
 

@@ -116,7 +116,7 @@ impl<'a> Trial<'a> {
         }
         let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
         let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
-        let (precision, _) = prior.quadratic(mechanism.values(), mechanism.parameters().len());
+        let (precision, ..) = prior.quadratic(mechanism.values(), mechanism.parameters().len());
         let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
         let weights = Vector6::new(p, p, p, r, r, r);
         Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
@@ -208,7 +208,7 @@ impl<'a> Trial<'a> {
             for k in 0..n {
                 normal[(k, k)] *= 1.0 + 1e-12;
             }
-            let (_, gradient) = self.prior.quadratic(&c, n);
+            let (_, gradient, _) = self.prior.quadratic(&c, n);
             let delta = Cholesky::new(normal)?.solve(&(a.tr_mul(&r) + gradient));
             c.iter_mut().zip(delta.iter()).for_each(|(c, d)| *c -= d);
         }

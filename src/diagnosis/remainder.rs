@@ -16,9 +16,10 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::model::Model;
+use super::model::{Candidate, Model};
 use super::result::{NoiseVaries, Unknown};
 use super::statistics::upper_f;
+use super::table::Group;
 use crate::measurement::Dataset;
 
 /// Levels of the families of tests.
@@ -107,13 +108,15 @@ pub(super) struct Finding {
 
 fn worth(model: &Model<'_>, gain: f64, parameters: f64) -> f64 {
     let noise = &model.noise;
-    let fit = if noise.known { 0.5 * gain } else { -0.5 * noise.dof * (-(gain / noise.rss).min(1.0 - 1e-15)).ln_1p() };
+    let fit =
+        if noise.known { 0.5 * gain } else { -0.5 * noise.dof * (-(gain / noise.objective).min(1.0 - 1e-15)).ln_1p() };
     fit - 0.5 * parameters * noise.dof.ln()
 }
 
-/// Worth of the whole model over `without`, nats.
-pub(super) fn worth_of(model: &Model<'_>, without: &Model<'_>, parameters: usize) -> f64 {
-    worth(without, without.noise.rss - model.noise.rss, parameters as f64)
+/// Worth of these names together beside the parameters alone, nats.
+pub(super) fn worth_of(without: &Model<'_>, groups: &[Group], names: &[Candidate]) -> f64 {
+    let (gain, rank) = without.ask_all(groups, names).gain();
+    worth(without, gain, rank as f64)
 }
 
 /// Polynomials of degree 1 to 4 in each covariate that concerns a leg, on that leg.

@@ -7,6 +7,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 pub(super) struct Noise {
     /// Sum of squares of the whitened residual, corrected for rows that repeat each other.
     pub(super) rss: f64,
+    /// The same with the price of the prior, of which effects take their gains.
+    pub(super) objective: f64,
     /// Its degrees of freedom, likewise.
     pub(super) dof: f64,
     /// True if whitened rows have unit variance by statement.
@@ -25,7 +27,7 @@ impl Noise {
             return 1.0;
         }
         // An exact fit leaves rounding, never less than this part of what there was.
-        ((self.rss - gain) / (self.dof - p).max(1.0)).max(1e-24 * self.rss)
+        ((self.objective - gain) / (self.dof - p).max(1.0)).max(1e-24 * self.objective)
     }
 
     /// Probability of a gain at least this large by chance from `p` parameters.

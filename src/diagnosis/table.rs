@@ -83,6 +83,8 @@ pub(super) struct Table {
     pub(super) precision: DMatrix<f64>,
     /// Its gradient at the point.
     pub(super) gradient: DVector<f64>,
+    /// Its value at the point.
+    pub(super) penalty: f64,
     /// Own parameters of the measurement at the point.
     pub(super) own: Vec<f64>,
     /// Whitened rows back to SI, by sample.
@@ -245,7 +247,7 @@ impl<'a> Subject<'a> {
             }
             *from += p;
         }
-        let (precision, gradient) = self.prior.quadratic(&point.values, nuisance);
+        let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
         let mut table = Table {
             r,
             rows: problem.sample_rows(),
@@ -255,6 +257,7 @@ impl<'a> Subject<'a> {
             a,
             precision,
             gradient,
+            penalty,
             own: x.rows(first_own, own).iter().copied().collect(),
             unwhiten: problem.unwhitening(),
         };

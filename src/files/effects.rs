@@ -11,7 +11,7 @@ use super::mechanism_reader::Reader;
 use crate::conditions::Conditions;
 use crate::effect::{
     ActiveEffect, Acts, Effect, Extended, Recorded, Scan, ScanPoint, Setting, Surroundings, catalogue, effect,
-    effects_of,
+    effects_of, without_effects,
 };
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};
@@ -163,6 +163,11 @@ fn about(r: &Reader<'_>, place: &str, trouble: Trouble) -> FileError {
 }
 
 impl Machine {
+    /// The mechanism without the effects of its file.
+    pub fn plain(&self) -> &dyn Mechanism {
+        without_effects(self.mechanism.as_ref())
+    }
+
     /// The effects of its file that act on the measurement and not on the mechanism. Data that are read are seen through
     /// them.
     pub fn instrument(&self) -> &[ActiveEffect] {

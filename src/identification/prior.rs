@@ -151,8 +151,8 @@ impl Prior {
         Self { centre, rows, ..self.clone() }
     }
 
-    /// `Mᵀ M` and `Mᵀ M (x - x₀)` at parameters `x`, for so many unknowns of which these are the first.
-    pub fn quadratic(&self, x: &[f64], unknowns: usize) -> (DMatrix<f64>, DVector<f64>) {
+    /// `Mᵀ M`, `Mᵀ M (x - x₀)` and `|M (x - x₀)|²` at parameters `x`, for so many unknowns of which these are the first.
+    pub fn quadratic(&self, x: &[f64], unknowns: usize) -> (DMatrix<f64>, DVector<f64>, f64) {
         let n = self.rows.ncols();
         let mut precision = DMatrix::zeros(unknowns, unknowns);
         precision.view_mut((0, 0), (n, n)).copy_from(&self.rows.tr_mul(&self.rows));
@@ -160,8 +160,9 @@ impl Prior {
         for (k, (x, c)) in x.iter().zip(&self.centre).enumerate() {
             shift[k] = x - c;
         }
-        let gradient = &precision * shift;
-        (precision, gradient)
+        let gradient = &precision * &shift;
+        let penalty = shift.dot(&gradient);
+        (precision, gradient, penalty)
     }
 
     /// Holds directions (columns, in parameters over `scale`) at the values of a mechanism. This brings no knowledge
