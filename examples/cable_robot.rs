@@ -10,12 +10,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use paracal::conditions::Conditions;
+use paracal::diagnosis::{Question, diagnose};
+use paracal::effect::{Surroundings, catalogue};
 use paracal::identification::{Identifier, LevenbergMarquardt, PriorPolicy, Task};
 use paracal::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::mechanism::kinds::{Cable, PlanarCables, Segment};
 use paracal::mechanism::{Linearization, Mechanism};
 use paracal::nalgebra::Vector3;
 use paracal::pose::{Pose, PoseConvention};
+use paracal::report::text;
 
 /// Radius of each drum, m, as its makers state it.
 const DRUMS: [f64; 3] = [0.025, 0.035, 0.035];
@@ -101,5 +104,16 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
         let without = 1e3 * (rest / x.len() as f64).sqrt();
         println!("  cable {}: {:+.2} mm per m, {without:.2} mm RMS without that", k + 1, 1e3 * slope);
     }
+    let calibrated = robot.with_values(&found.mechanism_values(), robot.home())?;
+    let question = Question {
+        mechanism: calibrated.as_ref(),
+        data: &data,
+        surroundings: Surroundings::default(),
+        convention: PoseConvention::default(),
+        catalogue: catalogue(),
+        noise_known: false,
+        seed: 0,
+    };
+    println!("\nAnd what the diagnosis says of it:\n\n{}", text::diagnosis(&diagnose(&question)?, robot.name()));
     Ok(rms[1])
 }
