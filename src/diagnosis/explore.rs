@@ -40,6 +40,12 @@ pub(super) struct Explored {
 }
 
 impl Explored {
+    /// σ of the rows of each joint over the stated one.
+    pub(super) fn spreads(&self, subject: &Subject<'_>) -> Result<Vec<f64>, DiagnoseError> {
+        let model = self.model(subject, self.names.clone())?;
+        Ok(self.table.spreads_of(&model.residual, &self.left_out))
+    }
+
     /// The model of the names.
     pub(super) fn model(&self, subject: &Subject<'_>, names: Vec<Candidate>) -> Result<Model<'_>, DiagnoseError> {
         Model::fit(&self.table, &subject.groups, names, &self.fitting)
@@ -106,7 +112,7 @@ impl Explorer<'_> {
             let mut fitting = Fitting { rows: full.r.len(), scale: point.scale, inflation, known: self.known };
             let before = (names.clone(), left_out.clone());
             let mut table = full.clone();
-            for _ in 0..STEPS {
+            for step in 0..STEPS {
                 if trim {
                     (left_out, fitting.scale) = outliers(&full, &subject.groups, &names, &fitting, &left_out)?;
                 } else if !self.known {
@@ -117,6 +123,10 @@ impl Explorer<'_> {
                 fitting.rows = full.count(&left_out);
                 let search = Search { table: &table, groups: &subject.groups, fitting };
                 self.check_freedom(&search, &names)?;
+                if step == 0 && round > 0 {
+                    // With the columns of the new point a name may no longer stand.
+                    names = search.polished(names)?;
+                }
                 match search.step(&names)? {
                     Some(next) if next != names => names = next,
                     _ => break,

@@ -18,6 +18,10 @@ use crate::measurement::Dataset;
 
 /// A size below this many limits is tentative.
 const TENTATIVE: f64 = 2.0;
+/// A value that is known to this many usual sizes only is not known.
+const UNSEEN: f64 = 1e6;
+/// Residuals that names made this much smaller are those of rounded numbers.
+const ROUNDING: f64 = 1e-6;
 /// Usual sizes beyond which a value is not plausible.
 const PLAUSIBLE: f64 = 10.0;
 
@@ -34,12 +38,12 @@ pub(super) fn findings(
     let without = explored.model(subject, Vec::new())?;
     let known = covariates(subject.data);
     let mut causes = causes(subject, explored, &model)?;
-    let mut unknown = remainder(&model, &known);
+    let mut unknown = remainder(&model, &known).filter(|u| !is_rounding(explored, &without, &model, u.leg));
     let mut effects = explored.point.effects.clone();
     let mut withdrawn = false;
     if !explored.names.is_empty() {
         let values = explored.names.iter().map(|n| subject.groups[n.group].parameters.len()).sum();
-        let worth = worth_of(&model, &without, values);
+        let worth = worth_of(&model, &without, values) - price_of_places(subject, &explored.names);
         if let Some(found) = rival(&without, &known, worth, TIED) {
             let names = causes.iter().map(|c| c.effect.clone()).collect();
             unknown = Some(Unknown { withdrawn: names, ..found });
@@ -57,7 +61,7 @@ pub(super) fn findings(
         (None, false) if causes.iter().any(|c| !c.tied_with.is_empty()) => Verdict::Tied,
         (None, false) => Verdict::Named,
     };
-    let (not_found, unseen) = not_found(subject, judged, &names, &causes);
+    let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
     let mut not_testable: Vec<NotTestable> =
         missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
     not_testable.extend(unseen);
@@ -95,12 +99,28 @@ pub(super) fn findings(
         after: rms(&explored.table, &judged.residual, &kept),
         noise_scale: judged.noise.variance().sqrt(),
         samples: subject.data.len(),
+        joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
         values,
         own,
         effects,
         frames: registration.frames,
         warnings,
     })
+}
+
+/// True if what is left at a joint is less than the digits that any file has.
+fn is_rounding(explored: &Explored, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
+    let of = |m: &Model<'_>| explored.table.spreads_of(&m.residual, &explored.left_out);
+    joint.is_some_and(|k| of(model)[k] < ROUNDING * of(without)[k])
+}
+
+/// What it costs, in nats, to choose the places of names.
+fn price_of_places(subject: &Subject<'_>, names: &[Candidate]) -> f64 {
+    let places = |name: &Candidate| {
+        let group = &subject.groups[name.group];
+        group.places.len() * name.from.map_or(1, |_| subject.data.len())
+    };
+    names.iter().map(|name| (places(name) as f64).ln()).sum()
 }
 
 fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
@@ -126,7 +146,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
         let parameter = |(i, spec): (usize, &crate::effect::EffectParameter)| CauseParameter {
             name: spec.name.clone(),
             value: values[i],
-            sigma: covariance[(at + i, at + i)].max(0.0).sqrt(),
+            sigma: Some(covariance[(at + i, at + i)].max(0.0).sqrt()).filter(|s| *s < UNSEEN * spec.scale),
             dimension: spec.dimension,
             scale: spec.scale,
         };
@@ -184,6 +204,7 @@ fn rivals(
 fn not_found(
     subject: &Subject<'_>,
     model: &Model<'_>,
+    without: &Model<'_>,
     names: &[Candidate],
     causes: &[Cause],
 ) -> (Vec<NotFound>, Vec<NotTestable>) {
@@ -197,6 +218,8 @@ fn not_found(
         }
         match limit(model, group, tests) {
             Some(limit) => found.push(limit),
+            // What a named effect contains was looked for with it.
+            None if limit(without, group, tests).is_some() => {}
             None => unseen.push(NotTestable::unchanging(group)),
         }
     }

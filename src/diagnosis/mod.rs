@@ -99,8 +99,14 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let registration = register(mechanism, data)?;
     let data = data.with_frames(registration.frames);
     let surroundings = Arc::new(question.surroundings.with_references_of(&data));
-    let (subject, missing) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
-    let explorer = Explorer { subject: &subject, known: question.noise_known && data.noise.known };
+    let (mut subject, missing) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
+    let known = question.noise_known && data.noise.known;
+    if subject.is_pose_space() && !data.noise.known {
+        // Nothing says how the noise of the six coordinates compares, and each is fitted by itself.
+        let first = Explorer { subject: &subject, known }.explore_with_care()?;
+        subject.spreads = first.spreads(&subject)?;
+    }
+    let explorer = Explorer { subject: &subject, known };
     let explored = explorer.explore_with_care()?;
     findings::findings(question, &explorer, &explored, missing, &registration)
 }
@@ -121,6 +127,7 @@ fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
         after: ErrorSummary::default(),
         noise_scale: f64::NAN,
         samples: data.len(),
+        joints: Vec::new(),
         values: Vec::new(),
         own: Vec::new(),
         effects: Vec::new(),

@@ -322,4 +322,25 @@ impl JointFunctions {
         let square = f.tr_mul(&weighted);
         Asked::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
     }
+
+    /// For functions that are one on a single sample each: the sums from each place of an order to its end.
+    pub(super) fn cumulated(&self, order: &[usize]) -> Vec<Asked> {
+        let mut w = DVector::zeros(self.w.nrows());
+        let (mut square, mut c) = (0.0, 0.0);
+        let mut all = Vec::with_capacity(order.len());
+        for k in order.iter().rev() {
+            w += self.w.column(*k);
+            square += self.square[*k];
+            c += self.along[*k];
+            let one = |v: f64| DMatrix::from_element(1, 1, v);
+            all.push(Asked::of(
+                &one(square),
+                &one(square - w.norm_squared()),
+                &DVector::from_element(1, c),
+                self.inflation,
+            ));
+        }
+        all.reverse();
+        all
+    }
 }

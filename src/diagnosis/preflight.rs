@@ -95,6 +95,11 @@ impl<'a> Trial<'a> {
         if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
             return None;
         }
+        // Where nothing is commanded, poses have nothing to contradict.
+        let still = data.iter().all(|s| s.joints == data.sample(0).joints);
+        if still {
+            return None;
+        }
         let mut table = Table { joints: Vec::new(), poses: Vec::new(), convention: *convention };
         for k in 0..data.len() {
             let (model, index) = data.reading(k);

@@ -3,6 +3,7 @@
 //! | test | sees |
 //! |---|---|
 //! | smooth: a polynomial of degree four in a covariate, on one leg | anything that changes slowly with what was recorded |
+//! | jump: a step at one value of a covariate, on one leg | what latches, slips or switches at a temperature or an elevation |
 //! | wave: a sine in commanded length, time or azimuth, up to the sampling limit | what repeats |
 //! | scatter: the variance along one leg against the others | random errors of one leg, which depend on nothing recorded |
 //! | size: χ² where the noise is known | everything else |
@@ -23,7 +24,8 @@ use crate::measurement::Dataset;
 /// Levels of the families of tests.
 const SMOOTH: f64 = 1e-3;
 const WAVE: f64 = 1e-3;
-const SCATTER: f64 = 1e-3;
+const JUMP: f64 = 5e-4;
+const SCATTER: f64 = 5e-4;
 const SIZE: f64 = 2e-3;
 const NOISE: f64 = 1e-3;
 /// Degree of the polynomial.
@@ -147,6 +149,36 @@ pub(super) fn smooths(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Findin
     found
 }
 
+/// A step at every value of each covariate that concerns a leg, on that leg.
+pub(super) fn jumps(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let samples = model.table.samples();
+    for leg in 0..model.table.joints.len() {
+        let on_leg = model.joint_functions(leg, &DMatrix::identity(samples, samples));
+        for covariate in covariates.iter().filter(|c| c.leg.is_none_or(|l| l == leg)) {
+            let mut order: Vec<usize> = (0..samples).collect();
+            order.sort_by(|a, b| covariate.values[*a].total_cmp(&covariate.values[*b]));
+            for (at, asked) in on_leg.cumulated(&order).into_iter().enumerate().skip(1) {
+                // Equal values stay together.
+                let same = covariate.values[order[at]] == covariate.values[order[at - 1]];
+                // A single sample at either end is an outlier and no step.
+                if same || at < 2 || at + 2 > samples {
+                    continue;
+                }
+                let (gain, rank) = asked.gain();
+                if rank > 0 {
+                    let p_value = model.noise.p_value(gain, 1);
+                    // The place is chosen among all samples.
+                    let worth = worth(model, gain, 1.0) - (samples as f64).ln();
+                    let name = covariate.name.clone();
+                    found.push(Finding { covariate: name, leg, p_value, worth, period: None, test: "jump" });
+                }
+            }
+        }
+    }
+    found
+}
+
 /// Sines in each covariate of waves, on each leg that it concerns, from one wave over the range to the sampling limit.
 pub(super) fn waves(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding> {
     let samples = model.table.samples();
@@ -226,7 +258,7 @@ pub(super) fn remainder(model: &Model<'_>, covariates: &[Covariate]) -> Option<U
     let smooths = smooths(model, covariates);
     let waves = waves(model, covariates);
     let mut findings = Vec::new();
-    for (family, level) in [(smooths, SMOOTH), (waves, WAVE)] {
+    for (family, level) in [(smooths, SMOOTH), (waves, WAVE), (jumps(model, covariates), JUMP)] {
         let tests = family.len().max(1) as f64;
         let significant = family.into_iter().filter(|f| f.p_value * tests < level);
         findings.extend(significant.map(|f| Finding { p_value: (f.p_value * tests).min(1.0), ..f }));
@@ -275,7 +307,9 @@ pub(super) fn rival(
     worth_of_names: f64,
     margin: f64,
 ) -> Option<Unknown> {
-    let all = smooths(without, covariates);
+    let mut all = smooths(without, covariates);
+    // Steps in time have names.
+    all.extend(jumps(without, covariates).into_iter().filter(|f| f.covariate != "time" && f.covariate != "row"));
     let best = all.into_iter().max_by(|a, b| a.worth.total_cmp(&b.worth))?;
     (best.worth > worth_of_names + margin).then(|| Unknown {
         covariate: Some(best.covariate),

@@ -41,8 +41,8 @@ pub struct CauseParameter {
     pub name: String,
     /// Value, SI.
     pub value: f64,
-    /// 1σ, with the estimated noise.
-    pub sigma: f64,
+    /// 1σ, with the estimated noise; `None` if the data do not see the parameter.
+    pub sigma: Option<f64>,
     /// What it measures.
     pub dimension: Dimension,
     /// Usual size in sound machines.
@@ -224,6 +224,8 @@ pub struct Diagnosis {
     pub noise_scale: f64,
     /// Number of samples.
     pub samples: usize,
+    /// Names of the joints, which causes and findings count as legs.
+    pub joints: Vec<String>,
     /// Values of the parameters of the mechanism without effects, in the frames of its drawing; empty if the file was
     /// misread.
     pub values: Vec<f64>,

@@ -46,6 +46,9 @@ pub(super) struct Subject<'a> {
     pub(super) groups: Vec<Group>,
     /// Columns of all groups, and of unit displacements of the joints behind them.
     pub(super) columns: usize,
+    /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
+    /// own. Empty if rows are as stated.
+    pub(super) spreads: Vec<f64>,
 }
 
 /// Values at which the table is made.
@@ -153,7 +156,12 @@ impl<'a> Subject<'a> {
                 groups.push(Group { effect: Arc::clone(effect), parameters, places });
             }
         }
-        (Self { mechanism, data, surroundings, prior, groups, columns: next }, missing)
+        (Self { mechanism, data, surroundings, prior, groups, columns: next, spreads: Vec::new() }, missing)
+    }
+
+    /// True if the joints are the coordinates of the pose.
+    pub(super) fn is_pose_space(&self) -> bool {
+        Setting::new(self.mechanism, &self.surroundings).is_pose_space()
     }
 
     /// The mechanism with the effects of a point and its values.
@@ -224,7 +232,7 @@ impl<'a> Subject<'a> {
             *from += p;
         }
         let (precision, gradient) = self.prior.quadratic(&point.values, nuisance);
-        Ok(Table {
+        let mut table = Table {
             r,
             rows: problem.sample_rows(),
             kinds: problem.row_kinds(),
@@ -235,7 +243,9 @@ impl<'a> Subject<'a> {
             gradient,
             own: x.rows(first_own, own).iter().copied().collect(),
             unwhiten: problem.unwhitening(),
-        })
+        };
+        table.spread(&self.spreads);
+        Ok(table)
     }
 
     /// Identifies the parameters and the values of the effects of a point together, starting from it, with the samples
@@ -272,6 +282,44 @@ impl<'a> Subject<'a> {
 }
 
 impl Table {
+    /// Divides each row by the spread of the joint that moves it most.
+    fn spread(&mut self, spreads: &[f64]) {
+        if spreads.is_empty() {
+            return;
+        }
+        for (k, (first, n)) in self.rows.clone().into_iter().enumerate() {
+            for i in 0..n {
+                let spread = spreads[self.joint_of(first + i)];
+                self.a.row_mut(first + i).unscale_mut(spread);
+                self.r[first + i] /= spread;
+                self.unwhiten[k].column_mut(i).scale_mut(spread);
+            }
+        }
+    }
+
+    /// The joint that moves a row most.
+    fn joint_of(&self, row: usize) -> usize {
+        let size = |k: &usize| self.a[(row, self.joints.start + k)].abs();
+        (0..self.joints.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
+    }
+
+    /// Root mean square of a residual over the rows that each joint moves, in units of the present spread. Joints that move
+    /// no row, or whose rows are fitted to rounding, have the median of the others.
+    pub(super) fn spreads_of(&self, residual: &DVector<f64>, left_out: &[usize]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.joints.len()];
+        for (first, n) in self.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)).map(|(_, r)| *r) {
+            for row in first..first + n {
+                let sum = &mut sums[self.joint_of(row)];
+                *sum = (sum.0 + residual[row] * residual[row], sum.1 + 1.0);
+            }
+        }
+        let roots: Vec<f64> = sums.iter().map(|(s, n)| if *n > 0.0 { (s / n).sqrt() } else { 0.0 }).collect();
+        let mut seen: Vec<f64> = roots.iter().copied().filter(|r| *r > 0.0).collect();
+        seen.sort_by(f64::total_cmp);
+        let median = seen.get(seen.len() / 2).copied().unwrap_or(1.0);
+        roots.into_iter().map(|r| if r > 1e-9 * median { r } else { median }).collect()
+    }
+
     /// The same with the rows of these samples set to zero.
     pub(super) fn without(&self, left_out: &[usize]) -> Self {
         let mut table = self.clone();

@@ -22,10 +22,12 @@ fn rigid() -> Vec<EffectParameter> {
     ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
 }
 
-/// A rigid motion of the frame about the origin of the base.
+/// A rigid motion of the frame about the origin of the base. In pose space, whose positions count from anywhere, turns have
+/// no arm.
 fn move_frame(theta: &[f64], part: f64, site: &Site<'_>, out: &mut Perturbation) {
     let turn = Vector3::new(theta[3], theta[4], theta[5]) * part;
-    let shift = Vector3::new(theta[0], theta[1], theta[2]) * part + turn.cross(&site.pose.position);
+    let arm = if site.setting.is_pose_space() { Vector3::zeros() } else { site.pose.position };
+    let shift = Vector3::new(theta[0], theta[1], theta[2]) * part + turn.cross(&arm);
     out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
 }
 

@@ -54,7 +54,9 @@ fn cause(c: &Cause) -> Value {
     let mut parameters: Vec<Value> = c
         .parameters
         .iter()
-        .map(|p| json!({ "name": p.name, "value": real(p.value), "sigma": real(p.sigma), "unit": p.dimension.si() }))
+        .map(
+            |p| json!({ "name": p.name, "value": real(p.value), "sigma": p.sigma.map(real), "unit": p.dimension.si() }),
+        )
         .collect();
     if let Some(row) = c.row {
         parameters.push(json!({ "name": "row", "value": row, "sigma": null, "unit": "1" }));

@@ -12,10 +12,10 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
         return text;
     }
     for cause in &d.causes {
-        text += &format!("\n{}", cause_text(cause));
+        text += &format!("\n{}", cause_text(d, cause));
     }
     if let Some(unknown) = &d.unknown {
-        text += &format!("\n{}", unknown_text(unknown));
+        text += &format!("\n{}", unknown_text(d, unknown));
     }
     text += &format!("\n{}", errors_text(d));
     if !d.outlier_rows.is_empty() {
@@ -40,12 +40,21 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
     text
 }
 
-fn name_of(effect: &str, leg: Option<usize>) -> String {
-    leg.map_or_else(|| effect.to_owned(), |leg| format!("{effect} at leg {}", leg + 1))
+/// ` at leg 3`, or the coordinate that a joint stands for.
+fn at_leg(d: &Diagnosis, leg: Option<usize>) -> String {
+    let Some(leg) = leg else { return String::new() };
+    match d.joints.get(leg).and_then(|name| name.strip_prefix("cmd_")) {
+        Some(coordinate) => format!(" in {coordinate}"),
+        None => format!(" at leg {}", leg + 1),
+    }
+}
+
+fn name_of(d: &Diagnosis, effect: &str, leg: Option<usize>) -> String {
+    format!("{effect}{}", at_leg(d, leg))
 }
 
 fn verdict(d: &Diagnosis) -> String {
-    let names: Vec<String> = d.causes.iter().map(|c| name_of(&c.effect, c.leg)).collect();
+    let names: Vec<String> = d.causes.iter().map(|c| name_of(d, &c.effect, c.leg)).collect();
     let names = names.join(" and ");
     match d.verdict {
         Verdict::Clean => "CLEAN: what the model leaves is consistent with noise.".into(),
@@ -56,7 +65,7 @@ fn verdict(d: &Diagnosis) -> String {
             format!("TIED: {names}, but these data do not exclude {}.", rivals.join(", "))
         }
         Verdict::Unknown => {
-            let what = d.unknown.as_ref().map_or_else(String::new, where_it_is);
+            let what = d.unknown.as_ref().map_or_else(String::new, |u| where_it_is(d, u));
             let beside = if names.is_empty() { String::new() } else { format!(" beside {names}") };
             format!("UNKNOWN{beside}: something that no name explains{what}.")
         }
@@ -76,8 +85,8 @@ fn verdict(d: &Diagnosis) -> String {
     }
 }
 
-fn where_it_is(u: &Unknown) -> String {
-    let leg = u.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
+fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
+    let leg = at_leg(d, u.leg);
     match (&u.covariate, u.test) {
         (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
         (None, "scatter") => format!(", scatters{leg} and depends on nothing that was recorded"),
@@ -85,8 +94,8 @@ fn where_it_is(u: &Unknown) -> String {
     }
 }
 
-fn unknown_text(u: &Unknown) -> String {
-    let mut text = format!("unknown{} (p {}", where_it_is(u), show_probability(u.p_value));
+fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
+    let mut text = format!("unknown{} (p {}", where_it_is(d, u), show_probability(u.p_value));
     if let Some(period) = u.period {
         text += &format!(", repeats every {} in SI units", three_digits(period));
     }
@@ -100,16 +109,21 @@ fn unknown_text(u: &Unknown) -> String {
     text
 }
 
-fn cause_text(c: &Cause) -> String {
+fn cause_text(d: &Diagnosis, c: &Cause) -> String {
     let place = c.row.map_or_else(String::new, |row| format!(" from data row {row} on"));
     let of = c.of.as_ref().map_or_else(String::new, |of| format!(" ({of})"));
-    let mut text = format!("{}{of}{place}: {}\n", name_of(&c.effect, c.leg), c.cause);
+    let mut text = format!("{}{of}{place}: {}\n", name_of(d, &c.effect, c.leg), c.cause);
     let rows: Vec<Vec<String>> = c
         .parameters
         .iter()
         .map(|p| {
             let shown = |v: f64| show_quantity(v, p.dimension);
-            vec![format!("  {}", p.name), shown(p.value), shown(p.sigma), shown(p.scale)]
+            vec![
+                format!("  {}", p.name),
+                shown(p.value),
+                p.sigma.map_or_else(|| "not seen".into(), shown),
+                shown(p.scale),
+            ]
         })
         .collect();
     text += &table(&["  parameter", "value", "sigma", "usual size"], &rows);
@@ -124,7 +138,7 @@ fn cause_text(c: &Cause) -> String {
     for r in &c.tied_with {
         text += &format!(
             "  not excluded: {} ({} nats behind; separability {}, about 10 is needed)\n",
-            name_of(&r.effect, r.leg),
+            name_of(d, &r.effect, r.leg),
             three_digits(r.behind),
             three_digits(r.separability)
         );
