@@ -306,13 +306,10 @@ fn unknown_type_of_mechanism() {
 }
 
 #[test]
-fn effects_are_refused() {
+fn effects_without_their_parameters() {
     let text = format!("{MECHANISM}\n[[effect]]\nname = \"thermal.legs.uniform\"\n");
-    Bench::with_mechanism(text).refuses_calibration(&[
-        "m.toml: [[effect]]",
-        "cannot use effects",
-        "without the section",
-    ]);
+    Bench::with_mechanism(text)
+        .refuses_calibration(&["m.toml: effect 1 'thermal.legs.uniform', `parameters`", "'expansion' is missing"]);
 }
 
 #[test]

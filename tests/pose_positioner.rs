@@ -63,7 +63,8 @@ fn its_file_is_read_and_written() {
         ],
         ..Surroundings::default()
     };
-    assert_eq!(**read.surroundings(), expected);
+    let stated = |machine: &Machine| Surroundings { home_joints: None, ..(**machine.surroundings()).clone() };
+    assert_eq!(stated(&read), expected);
     let moved: Vec<f64> = values.iter().map(|v| v + 1e-6).collect();
     let moved = read.mechanism.with_values(&moved, read.mechanism.home()).unwrap();
     let text = read.document_of(moved.as_ref(), None, &[], &Frames::default()).unwrap().to_text();
@@ -71,7 +72,7 @@ fn its_file_is_read_and_written() {
     for (a, b) in again.mechanism.values().iter().zip(moved.values()) {
         assert!((a - b).abs() < 1e-15);
     }
-    assert_eq!(again.surroundings(), read.surroundings());
+    assert_eq!(stated(&again), expected);
     assert_eq!(again.document().to_text(), text);
 }
 

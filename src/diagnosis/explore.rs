@@ -2,8 +2,9 @@
 
 use super::DiagnoseError;
 use super::model::{Candidate, Fitting, Model};
-use super::outliers::{outliers, suspicious};
+use super::outliers::{distances, outliers, suspicious};
 use super::remainder;
+use super::result::NoiseVaries;
 use super::search::Search;
 use super::table::{Point, Subject, Table};
 use crate::effect::ActiveEffect;
@@ -40,6 +41,14 @@ pub(super) struct Explored {
 }
 
 impl Explored {
+    /// What the noise was found to vary with, and the σ of each sample then.
+    pub(super) fn noise_varies(&self, subject: &Subject<'_>) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
+        let model = self.model(subject, self.names.clone())?;
+        let all = distances(&self.full, &model, &subject.groups, &self.left_out);
+        let kept: Vec<usize> = (0..self.full.samples()).filter(|k| !self.left_out.contains(k)).collect();
+        Ok(remainder::noise_varies(&all, &remainder::covariates(subject.data), &kept))
+    }
+
     /// σ of the rows of each joint over the stated one.
     pub(super) fn spreads(&self, subject: &Subject<'_>) -> Result<Vec<f64>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::explore::{Explored, Explorer};
+use super::explore::Explored;
 use super::gain::{folds, held_out, rms};
 use super::limits::{lambda, limit};
 use super::model::{Candidate, Model};
-use super::outliers::distances;
-use super::remainder::{covariates, noise_varies, remainder, rival, worth_of};
-use super::result::{Cause, CauseParameter, Diagnosis, Gain, NotFound, NotTestable, Rival, Unknown, Verdict};
+use super::remainder::{covariates, remainder, rival, worth_of};
+use super::result::{
+    Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
+};
 use super::search::{Score, TIED, scores, separability};
 use super::table::Subject;
 use super::{DiagnoseError, Question};
@@ -28,12 +29,12 @@ const PLAUSIBLE: f64 = 10.0;
 /// Puts the answer together.
 pub(super) fn findings(
     question: &Question<'_>,
-    explorer: &Explorer<'_>,
+    subject: &Subject<'_>,
     explored: &Explored,
     missing: Vec<(String, Vec<String>)>,
     registration: &Registration,
+    noise_varies: Option<NoiseVaries>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let subject = explorer.subject;
     let model = explored.model(subject, explored.names.clone())?;
     let without = explored.model(subject, Vec::new())?;
     let known = covariates(subject.data);
@@ -54,7 +55,6 @@ pub(super) fn findings(
     }
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
     let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
-    let all = distances(&explored.full, judged, &subject.groups, &explored.left_out);
     let verdict = match (&unknown, causes.is_empty()) {
         (Some(_), _) => Verdict::Unknown,
         (None, true) => Verdict::Clean,
@@ -90,7 +90,7 @@ pub(super) fn findings(
         unknown,
         misread: None,
         outlier_rows: rows,
-        noise_varies: noise_varies(&all, &known, &kept),
+        noise_varies,
         correlation: explored.correlation,
         gain: gain(question, &without, judged, &kept),
         not_found,
@@ -103,6 +103,7 @@ pub(super) fn findings(
         values,
         own,
         effects,
+        surroundings: (*subject.surroundings).clone(),
         frames: registration.frames,
         warnings,
     })

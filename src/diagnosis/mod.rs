@@ -106,9 +106,15 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         let first = Explorer { subject: &subject, known }.explore_with_care()?;
         subject.spreads = first.spreads(&subject)?;
     }
-    let explorer = Explorer { subject: &subject, known };
-    let explored = explorer.explore_with_care()?;
-    findings::findings(question, &explorer, &explored, missing, &registration)
+    let mut explored = Explorer { subject: &subject, known }.explore_with_care()?;
+    let mut noise = None;
+    if let Some((varies, spreads)) = explored.noise_varies(&subject)? {
+        // Rows count by the noise that they have.
+        noise = Some(varies);
+        subject.sample_spreads = spreads;
+        explored = Explorer { subject: &subject, known }.explore_with_care()?;
+    }
+    findings::findings(question, &subject, &explored, missing, &registration, noise)
 }
 
 fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
@@ -131,6 +137,7 @@ fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
         values: Vec::new(),
         own: Vec::new(),
         effects: Vec::new(),
+        surroundings: Surroundings::default(),
         frames: data.frames,
         warnings: Vec::new(),
     }

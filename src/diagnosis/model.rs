@@ -323,8 +323,9 @@ impl JointFunctions {
         Asked::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
     }
 
-    /// For functions that are one on a single sample each: the sums from each place of an order to its end.
-    pub(super) fn cumulated(&self, order: &[usize]) -> Vec<Asked> {
+    /// For functions that are one on a single sample each: what their sum from each place of an order to its end would
+    /// gain, where it is seen.
+    pub(super) fn gains_from(&self, order: &[usize]) -> Vec<Option<f64>> {
         let mut w = DVector::zeros(self.w.nrows());
         let (mut square, mut c) = (0.0, 0.0);
         let mut all = Vec::with_capacity(order.len());
@@ -332,13 +333,8 @@ impl JointFunctions {
             w += self.w.column(*k);
             square += self.square[*k];
             c += self.along[*k];
-            let one = |v: f64| DMatrix::from_element(1, 1, v);
-            all.push(Asked::of(
-                &one(square),
-                &one(square - w.norm_squared()),
-                &DVector::from_element(1, c),
-                self.inflation,
-            ));
+            let s: f64 = square - w.norm_squared();
+            all.push((s > ABSORBED * square).then(|| c * c / (s * self.inflation)));
         }
         all.reverse();
         all

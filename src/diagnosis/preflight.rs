@@ -35,33 +35,41 @@ pub(super) fn preflight(
     let all: Vec<usize> = (0..data.len()).collect();
     let mut readings = Reading::all(mechanism);
     readings.extend(trial.leg_order());
-    let stated = trial.misfit(&Reading::Stated, &few, STEPS[0])?;
-    let mut found: Vec<(Reading, f64)> = readings
-        .into_iter()
-        .filter_map(|reading| {
-            let misfit = trial.misfit(&reading, &few, STEPS[0])?;
-            (misfit * BETTER < stated * SECOND).then_some((reading, misfit))
-        })
-        .collect();
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    found.truncate(6);
-    if found.is_empty() {
-        return None;
+    // Most files are in the base frame when they are read rightly; finding frames for every reading is the dear way.
+    let mut ways = vec![false];
+    if trial.elsewhere {
+        ways.push(true);
     }
-    let stated = trial.misfit(&Reading::Stated, &all, STEPS[1])?;
-    let mut sure: Vec<(Reading, f64)> = found
-        .into_iter()
-        .filter_map(|(reading, _)| Some((trial.misfit(&reading, &all, STEPS[1])?, reading)))
-        .map(|(misfit, reading)| (reading, misfit))
-        .filter(|(_, misfit)| misfit * BETTER < stated)
-        .collect();
+    let stated = |rows: &[usize], steps: usize| {
+        let of = |way: &bool| trial.misfit(&Reading::Stated, rows, steps, *way);
+        ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
+    };
+    let (at_first, at_last) = (stated(&few, STEPS[0]), stated(&all, STEPS[1]));
+    let mut sure: Vec<(Reading, f64)> = Vec::new();
+    for way in &ways {
+        let mut found: Vec<(&Reading, f64)> = readings
+            .iter()
+            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, STEPS[0], *way)?)))
+            .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
+            .collect();
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.truncate(6);
+        sure = found
+            .into_iter()
+            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, STEPS[1], *way)?)))
+            .filter(|(_, misfit)| misfit * BETTER < at_last)
+            .collect();
+        if !sure.is_empty() {
+            break;
+        }
+    }
     sure.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (best, misfit) = sure.first()?.clone();
     let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
     Some(Misread {
         reading: best.name().into(),
         detail: best.detail(),
-        factor: stated / misfit,
+        factor: at_last / misfit,
         tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
     })
 }
@@ -103,7 +111,7 @@ impl<'a> Trial<'a> {
         let mut table = Table { joints: Vec::new(), poses: Vec::new(), convention: *convention };
         for k in 0..data.len() {
             let (model, index) = data.reading(k);
-            table.poses.push(convention.coordinates(&model.rigid_pose(index)?));
+            table.poses.push(model.coordinates(index)?);
             table.joints.push(data.sample(k).joints.clone());
         }
         let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
@@ -139,16 +147,16 @@ impl<'a> Trial<'a> {
         order.iter().enumerate().any(|(i, k)| i != *k).then_some(Reading::LegOrder(order))
     }
 
-    /// Median length of the whitened misfit of a row after the parameters are fitted.
-    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize) -> Option<f64> {
+    /// Median length of the whitened misfit of a row after the parameters are fitted, in the base frame or in frames that
+    /// are found first.
+    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize, find_frames: bool) -> Option<f64> {
         let read: Vec<(Vec<f64>, Pose)> =
             rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
         if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
             return None;
         }
-        let plain = self.fitted(&read, &Frames::default(), steps);
-        if !self.elsewhere {
-            return plain;
+        if !find_frames {
+            return self.fitted(&read, &Frames::default(), steps);
         }
         let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
         let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
@@ -156,12 +164,8 @@ impl<'a> Trial<'a> {
         let noise = self.data.noise;
         let model: std::sync::Arc<dyn MeasurementModel> =
             std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
-        let registered = register(self.mechanism, &Dataset::new(samples, model, noise)).ok();
-        let elsewhere = registered.and_then(|r| self.fitted(&read, &r.frames, steps));
-        match (plain, elsewhere) {
-            (Some(a), Some(b)) => Some(a.min(b)),
-            (a, b) => a.or(b),
-        }
+        let found = register(self.mechanism, &Dataset::new(samples, model, noise)).ok()?;
+        self.fitted(&read, &found.frames, steps)
     }
 
     fn fitted(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {

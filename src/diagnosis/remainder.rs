@@ -28,6 +28,8 @@ const JUMP: f64 = 5e-4;
 const SCATTER: f64 = 5e-4;
 const SIZE: f64 = 2e-3;
 const NOISE: f64 = 1e-3;
+/// Samples on either side of a jump.
+const FEW: usize = 3;
 /// Degree of the polynomial.
 const DEGREE: usize = 4;
 
@@ -158,15 +160,12 @@ pub(super) fn jumps(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
         for covariate in covariates.iter().filter(|c| c.leg.is_none_or(|l| l == leg)) {
             let mut order: Vec<usize> = (0..samples).collect();
             order.sort_by(|a, b| covariate.values[*a].total_cmp(&covariate.values[*b]));
-            for (at, asked) in on_leg.cumulated(&order).into_iter().enumerate().skip(1) {
-                // Equal values stay together.
-                let same = covariate.values[order[at]] == covariate.values[order[at - 1]];
-                // A single sample at either end is an outlier and no step.
-                if same || at < 2 || at + 2 > samples {
+            for (at, gain) in on_leg.gains_from(&order).into_iter().enumerate().skip(FEW) {
+                // Equal values stay together, and a few samples at either end are outliers and no step.
+                if covariate.values[order[at]] == covariate.values[order[at - 1]] || at + FEW > samples {
                     continue;
                 }
-                let (gain, rank) = asked.gain();
-                if rank > 0 {
+                if let Some(gain) = gain {
                     let p_value = model.noise.p_value(gain, 1);
                     // The place is chosen among all samples.
                     let worth = worth(model, gain, 1.0) - (samples as f64).ln();
@@ -322,14 +321,15 @@ pub(super) fn rival(
     })
 }
 
-/// Does the size of the residual depend on a covariate? Regression of `ln(d²)` on each, with `d²` the length squared of
+/// Does the size of the residual depend on a covariate, and which σ has each sample then, relative to the middle of the
+/// range? Regression of `ln(d²)` on each, with `d²` the length squared of
 /// a sample over what the noise would give.
 pub(super) fn noise_varies(
     distances: &[Option<(f64, usize)>],
     covariates: &[Covariate],
     kept: &[usize],
-) -> Option<NoiseVaries> {
-    let mut best: Option<(f64, NoiseVaries)> = None;
+) -> Option<(NoiseVaries, Vec<f64>)> {
+    let mut best: Option<(f64, NoiseVaries, Vec<f64>)> = None;
     let tested: Vec<&Covariate> = covariates.iter().filter(|c| c.leg.is_none()).collect();
     for covariate in &tested {
         let x = covariate.scaled();
@@ -356,12 +356,17 @@ pub(super) fn noise_varies(
         let slope = sxy / sxx;
         let rest = (syy - slope * sxy).max(f64::MIN_POSITIVE) / (n - 2.0);
         let p_value = upper_f(slope * slope * sxx / rest, 1.0, n - 2.0) * tested.len() as f64;
-        if p_value < NOISE && best.as_ref().is_none_or(|(p, _)| p_value < *p) {
+        if p_value < NOISE && best.as_ref().is_none_or(|(p, ..)| p_value < *p) {
             // ln σ² changes by 2 slopes over the range.
-            best = Some((p_value, NoiseVaries { covariate: covariate.name.clone(), ratio: slope.exp(), p_value }));
+            let spreads = x.iter().map(|x| (0.5 * slope * x).exp()).collect();
+            best = Some((
+                p_value,
+                NoiseVaries { covariate: covariate.name.clone(), ratio: slope.exp(), p_value },
+                spreads,
+            ));
         }
     }
-    best.map(|(_, found)| found)
+    best.map(|(_, found, spreads)| (found, spreads))
 }
 
 /// Correlation of the residual of each sample with that of the sample before, and whether it is more than chance.

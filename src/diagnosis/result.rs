@@ -1,7 +1,7 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
 use super::table::Group;
-use crate::effect::{ActiveEffect, Acts};
+use crate::effect::{ActiveEffect, Acts, Surroundings};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;
 use crate::units::Dimension;
@@ -233,6 +233,8 @@ pub struct Diagnosis {
     pub own: Vec<f64>,
     /// The causes with their values and the ranges of their covariates, ready for an extended model.
     pub effects: Vec<ActiveEffect>,
+    /// What stands around the mechanism, with the reference temperatures that were used.
+    pub surroundings: Surroundings,
     /// Where tracker and target were found.
     pub frames: Frames,
     /// What the user should know.

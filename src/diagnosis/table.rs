@@ -49,6 +49,8 @@ pub(super) struct Subject<'a> {
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
     /// own. Empty if rows are as stated.
     pub(super) spreads: Vec<f64>,
+    /// The same for each sample, where the noise was found to vary. Empty if it does not.
+    pub(super) sample_spreads: Vec<f64>,
 }
 
 /// Values at which the table is made.
@@ -156,7 +158,19 @@ impl<'a> Subject<'a> {
                 groups.push(Group { effect: Arc::clone(effect), parameters, places });
             }
         }
-        (Self { mechanism, data, surroundings, prior, groups, columns: next, spreads: Vec::new() }, missing)
+        (
+            Self {
+                mechanism,
+                data,
+                surroundings,
+                prior,
+                groups,
+                columns: next,
+                spreads: Vec::new(),
+                sample_spreads: Vec::new(),
+            },
+            missing,
+        )
     }
 
     /// True if the joints are the coordinates of the pose.
@@ -244,7 +258,7 @@ impl<'a> Subject<'a> {
             own: x.rows(first_own, own).iter().copied().collect(),
             unwhiten: problem.unwhitening(),
         };
-        table.spread(&self.spreads);
+        table.spread(&self.spreads, &self.sample_spreads);
         Ok(table)
     }
 
@@ -282,14 +296,16 @@ impl<'a> Subject<'a> {
 }
 
 impl Table {
-    /// Divides each row by the spread of the joint that moves it most.
-    fn spread(&mut self, spreads: &[f64]) {
-        if spreads.is_empty() {
+    /// Divides each row by the spread of the joint that moves it most, and by that of its sample.
+    fn spread(&mut self, of_joints: &[f64], of_samples: &[f64]) {
+        if of_joints.is_empty() && of_samples.is_empty() {
             return;
         }
         for (k, (first, n)) in self.rows.clone().into_iter().enumerate() {
+            let of_sample = of_samples.get(k).copied().unwrap_or(1.0);
             for i in 0..n {
-                let spread = spreads[self.joint_of(first + i)];
+                let of_joint = if of_joints.is_empty() { 1.0 } else { of_joints[self.joint_of(first + i)] };
+                let spread = of_sample * of_joint;
                 self.a.row_mut(first + i).unscale_mut(spread);
                 self.r[first + i] /= spread;
                 self.unwhiten[k].column_mut(i).scale_mut(spread);

@@ -1,5 +1,6 @@
 //! A mechanism with effects, which is again a mechanism.
 
+use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -47,6 +48,20 @@ impl ActiveEffect {
     }
 }
 
+/// A mechanism without the effects around it; itself if there are none.
+pub fn without_effects(mechanism: &dyn Mechanism) -> &dyn Mechanism {
+    extended(mechanism).map_or(mechanism, Extended::inner)
+}
+
+/// The effects around a mechanism.
+pub fn effects_of(mechanism: &dyn Mechanism) -> &[ActiveEffect] {
+    extended(mechanism).map_or(&[], Extended::effects)
+}
+
+fn extended(mechanism: &dyn Mechanism) -> Option<&Extended> {
+    (mechanism as &dyn Any).downcast_ref()
+}
+
 /// Prior standard deviation of an effect's parameter over its usual size.
 const TOLERATED: f64 = 10.0;
 
@@ -84,7 +99,7 @@ impl Extended {
     pub fn new(inner: Box<dyn Mechanism>, surroundings: Arc<Surroundings>, effects: Vec<ActiveEffect>) -> Self {
         let effects: Vec<ActiveEffect> =
             effects.into_iter().filter(|e| e.effect.acts_on() == Acts::Mechanism).collect();
-        let home = Home::of(inner.as_ref());
+        let home = Home::of(inner.as_ref(), &surroundings);
         let mut specs = inner.parameters().to_vec();
         let mut values = inner.values().to_vec();
         {
@@ -212,8 +227,9 @@ impl Mechanism for Extended {
         }
         let inner = self.inner.with_values(inner, home)?;
         let mut made = Self::new(inner, Arc::clone(&self.surroundings), effects);
-        // The values that effects had in the file stay the nominal ones.
+        // The values that effects had in the file stay the nominal ones, and they go on measuring from the same joints.
         made.specs.clone_from(&self.specs);
+        made.home.keep_joints(&self.home);
         Ok(Box::new(made))
     }
 
@@ -237,6 +253,7 @@ impl Mechanism for Extended {
         let inner = self.inner.mounted(base, target)?;
         let mut made = Self::new(inner, Arc::clone(&self.surroundings), self.effects.clone());
         made.specs.clone_from(&self.specs);
+        made.home.keep_joints(&self.home);
         Some(Box::new(made))
     }
 

@@ -25,6 +25,7 @@
 
 pub mod catalogue;
 mod extended;
+mod needs;
 mod perturbation;
 mod scan;
 mod seen_through;
@@ -33,10 +34,11 @@ mod setting;
 use std::fmt::Debug;
 
 pub use catalogue::{catalogue, effect};
-pub use extended::{ActiveEffect, Extended};
+pub(crate) use extended::label;
+pub use extended::{ActiveEffect, Extended, effects_of, without_effects};
 pub use perturbation::Perturbation;
 pub use scan::{Scan, ScanPoint};
-pub use seen_through::SeenThrough;
+pub use seen_through::{SeenThrough, seen, to_be_seen_at};
 pub use setting::{Recorded, Sensor, Setting, Site, Surroundings};
 
 use crate::units::Dimension;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, Matrix6xX, Vector6};
+use nalgebra::{DMatrix, Matrix6xX, Rotation3, Vector6};
 
 use super::setting::Home;
 use super::{ActiveEffect, Acts, Perturbation, Setting, Site, Surroundings};
@@ -44,7 +44,7 @@ impl SeenThrough {
             return Ok(data.clone());
         }
         let copy = mechanism.with_values(mechanism.values(), mechanism.home())?;
-        let home = Home::of(mechanism);
+        let home = Home::of(mechanism, surroundings);
         let inner = Arc::clone(data.model());
         let mut specs = inner.own_parameters().to_vec();
         let setting = Setting::with_home(mechanism, surroundings, home.clone());
@@ -97,14 +97,14 @@ impl SeenThrough {
     }
 }
 
-/// The motion of a reading through effects with these values, for a simulation.
-pub(crate) fn seen_motion(
+/// Where an instrument with these effects sees the platform. Effects on the mechanism are left out.
+pub fn seen(
     effects: &[ActiveEffect],
     setting: &Setting<'_>,
     joints: &[f64],
     pose: &Pose,
     conditions: &Conditions,
-) -> Vector6<f64> {
+) -> Pose {
     let joint_motion = Matrix6xX::zeros(joints.len());
     let values = setting.mechanism.values();
     let site = Site { setting, values, joints, pose, conditions, joint_motion: &joint_motion };
@@ -112,7 +112,29 @@ pub(crate) fn seen_motion(
     for effect in effects.iter().filter(|e| e.effect.acts_on() == Acts::Measurement) {
         effect.effect.perturb(&effect.values, &effect.at, &site, &mut out);
     }
-    out.pose
+    pose.moved(&out.pose)
+}
+
+/// Rounds in which a pose is found from what is seen; the motions are micrometres, so that three are enough.
+const ROUNDS: usize = 10;
+
+/// Where the platform must be to be seen at a pose.
+pub fn to_be_seen_at(
+    effects: &[ActiveEffect],
+    setting: &Setting<'_>,
+    joints: &[f64],
+    pose: &Pose,
+    conditions: &Conditions,
+) -> Pose {
+    let mut at = *pose;
+    for _ in 0..ROUNDS {
+        let motion = at.motion_to(&seen(effects, setting, joints, &at, conditions));
+        at = Pose {
+            position: pose.position - motion.fixed_rows::<3>(0),
+            rotation: Rotation3::from_scaled_axis(-motion.fixed_rows::<3>(3)) * pose.rotation,
+        };
+    }
+    at
 }
 
 impl MeasurementModel for SeenThrough {
@@ -160,6 +182,10 @@ impl MeasurementModel for SeenThrough {
 
     fn rigid_pose(&self, sample: usize) -> Option<Pose> {
         self.inner.rigid_pose(sample)
+    }
+
+    fn coordinates(&self, sample: usize) -> Option<[f64; 6]> {
+        self.inner.coordinates(sample)
     }
 
     fn target_frame(&self) -> TargetFrame {

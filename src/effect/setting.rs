@@ -39,20 +39,29 @@ pub struct Surroundings {
     pub screw_pitch: Option<f64>,
     /// Temperature sensors whose places are known.
     pub sensors: Vec<Sensor>,
+    /// The joints that are commanded for home, from which effects measure; those of the mechanism itself if absent. A
+    /// calibrated mechanism has others than the drawing, but its effects were fitted with these.
+    pub home_joints: Option<Vec<f64>>,
 }
 
 impl Surroundings {
     /// The same with the mean of every temperature of a run as reference where none is stated.
     #[must_use]
     pub fn with_references_of(&self, data: &Dataset) -> Self {
+        self.with_references_among(data.iter().map(|s| &s.conditions))
+    }
+
+    /// The same for the states of a list.
+    #[must_use]
+    pub fn with_references_among<'a>(&self, states: impl Iterator<Item = &'a Conditions>) -> Self {
         let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
         let mut legs = (0.0, 0.0);
-        for sample in data.iter() {
-            for (name, value) in sample.conditions.covariates.iter().filter(|(n, _)| n.starts_with("temp_")) {
+        for state in states {
+            for (name, value) in state.covariates.iter().filter(|(n, _)| n.starts_with("temp_")) {
                 let sum = sums.entry(name.clone()).or_default();
                 *sum = (sum.0 + value, sum.1 + 1.0);
             }
-            if let Some(t) = sample.conditions.leg_temperature() {
+            if let Some(t) = state.leg_temperature() {
                 legs = (legs.0 + t, legs.1 + 1.0);
             }
         }
@@ -66,10 +75,14 @@ impl Surroundings {
         with
     }
 
+    /// The temperature of a covariate at which the geometry holds, °C, if one is stated.
+    pub fn reference(&self, covariate: &str) -> Option<f64> {
+        self.reference_temperature.or_else(|| self.references.get(covariate).copied())
+    }
+
     /// Difference of a temperature of a covariate from its reference.
     fn difference(&self, covariate: &str, temperature: f64) -> f64 {
-        let reference = self.reference_temperature.or_else(|| self.references.get(covariate).copied());
-        temperature - reference.unwrap_or(temperature)
+        temperature - self.reference(covariate).unwrap_or(temperature)
     }
 }
 
@@ -82,8 +95,8 @@ pub struct Recorded {
     pub gravity: bool,
     /// True if the samples are in a run, in the order of measuring.
     pub run: bool,
-    /// Smallest and largest length of a move of a joint from one sample to the next, in its unit.
-    pub moves: Option<[f64; 2]>,
+    /// Lengths of the moves of all joints from one sample to the next, in their units, in order of size.
+    pub moves: Vec<f64>,
     /// Number of samples.
     pub samples: usize,
 }
@@ -97,15 +110,12 @@ impl Recorded {
         for sample in samples {
             covariates.retain(|name| sample.conditions.covariates.contains_key(name));
         }
-        let mut moves: Option<[f64; 2]> = None;
+        let mut moves = Vec::new();
         for sample in data.iter() {
-            let Some(previous) = &sample.conditions.previous_joints else { continue };
-            for (now, before) in sample.joints.iter().zip(previous) {
-                let length = (now - before).abs();
-                let [least, most] = moves.unwrap_or([f64::INFINITY, 0.0]);
-                moves = Some([least.min(length), most.max(length)]);
-            }
+            let before = sample.conditions.previous_joints.iter().flatten();
+            moves.extend(sample.joints.iter().zip(before).map(|(now, before)| (now - before).abs()));
         }
+        moves.sort_by(f64::total_cmp);
         Self {
             covariates,
             gravity: data.iter().all(|s| s.conditions.gravity.is_some()),
@@ -113,6 +123,11 @@ impl Recorded {
             moves,
             samples: data.len(),
         }
+    }
+
+    /// Part of the moves that are shorter than a length.
+    pub fn shorter_moves(&self, length: f64) -> f64 {
+        self.moves.iter().take_while(|m| **m < length).count() as f64 / self.moves.len().max(1) as f64
     }
 
     /// True if every sample has the covariate.
@@ -144,20 +159,26 @@ pub(super) struct Home {
 }
 
 impl Home {
-    pub(super) fn of(mechanism: &dyn Mechanism) -> Self {
+    pub(super) fn of(mechanism: &dyn Mechanism, surroundings: &Surroundings) -> Self {
         let n = mechanism.joints().len();
-        let joints = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
-        Self {
-            joints: joints.unwrap_or_else(|_| vec![0.0; n]).into(),
-            legs: leg_directions(mechanism, mechanism.values(), &mechanism.home()).into(),
-        }
+        let own = || mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
+        let joints = match &surroundings.home_joints {
+            Some(stated) if stated.len() == n => stated.clone(),
+            _ => own().unwrap_or_else(|_| vec![0.0; n]),
+        };
+        let legs = leg_directions(mechanism, mechanism.values(), &mechanism.home());
+        Self { joints: joints.into(), legs: legs.into() }
+    }
+
+    pub(super) fn keep_joints(&mut self, other: &Self) {
+        self.joints = Arc::clone(&other.joints);
     }
 }
 
 impl<'a> Setting<'a> {
     /// A mechanism and what stands around it.
     pub fn new(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings) -> Self {
-        Self::with_home(mechanism, surroundings, Home::of(mechanism))
+        Self::with_home(mechanism, surroundings, Home::of(mechanism, surroundings))
     }
 
     pub(super) fn with_home(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings, home: Home) -> Self {

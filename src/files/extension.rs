@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::document::{line, list, quoted};
 use super::writer::number;
+use crate::effect::{ScanPoint, label};
 
 /// One `[[sensor]]`: a temperature sensor at a known place of one of the bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,6 +67,12 @@ impl SensorEntry {
 }
 
 impl EffectEntry {
+    /// What people call it: `drift.leg[leg=3]`.
+    pub fn label(&self) -> String {
+        let at = ScanPoint { leg: self.leg.map(|leg| leg.wrapping_sub(1)), row: self.row, covariate: self.of.clone() };
+        label(&self.name, &at)
+    }
+
     pub(super) fn to_text(&self) -> String {
         let single = |v: &f64| number(*v);
         let mut text = format!("\n[[effect]]\nname = {}\n", quoted(&self.name));

@@ -13,7 +13,7 @@ use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
 use super::plane::{PlaneSection, carried};
 use super::urdf::{self, UrdfOptions};
-use crate::effect::Surroundings;
+use crate::effect::{ActiveEffect, Surroundings, effects_of, without_effects};
 use crate::measurement::{Contact, Frames, Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
@@ -46,6 +46,8 @@ pub struct Machine {
     pub contact: Contact,
     /// What stands around the mechanism.
     pub(super) surroundings: Arc<Surroundings>,
+    /// Effects of its file on the measurement.
+    pub(super) instrument: Vec<ActiveEffect>,
     /// Unit of its lengths.
     pub length_unit: Unit,
     /// Unit of its angles.
@@ -143,9 +145,9 @@ impl Machine {
         &self.surroundings
     }
 
-    /// The mechanism by which the controller turns commanded poses into joints.
+    /// The mechanism by which the controller turns commanded poses into joints. It knows of no effects.
     pub fn commander(&self) -> &dyn Mechanism {
-        self.nominal.as_deref().unwrap_or(self.mechanism.as_ref())
+        self.nominal.as_deref().unwrap_or(self.plain())
     }
 
     /// The `[plane]` of its file for this contact.
@@ -155,11 +157,26 @@ impl Machine {
 
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
     /// whose places were identified. `frames` are those that `mechanism` was carried into; what the file states on the
-    /// platform goes along. Other sections are kept.
+    /// platform goes along. The effects are those around `mechanism` and those of the file on the measurement. Other
+    /// sections are kept.
     ///
     /// # Errors
     /// [`FileError::Value`] for a mechanism of another kind.
     pub fn document_of(
+        &self,
+        mechanism: &dyn Mechanism,
+        workspace: Option<&Workspace>,
+        targets: &[TargetPoint],
+        frames: &Frames,
+    ) -> Result<MechanismDocument, FileError> {
+        let mut document = self.plain_document_of(without_effects(mechanism), workspace, targets, frames)?;
+        let effects: Vec<ActiveEffect> = effects_of(mechanism).iter().chain(&self.instrument).cloned().collect();
+        document.effects = self.effect_entries(&effects, &[], &self.surroundings);
+        Ok(document)
+    }
+
+    /// The same without effects.
+    fn plain_document_of(
         &self,
         mechanism: &dyn Mechanism,
         workspace: Option<&Workspace>,

@@ -10,6 +10,7 @@ use super::readings::{contact_readings, pose_readings, target_readings};
 use super::states::States;
 use super::table::Table;
 use crate::conditions::Conditions;
+use crate::effect::{ActiveEffect, SeenThrough};
 use crate::measurement::{Dataset, MeasurementModel, Noise, PlaneContact, PoseMeasurement, Sample, TargetMeasurement};
 use crate::mechanism::{KinematicsError, characteristic_length};
 use crate::units::Dimension;
@@ -23,8 +24,25 @@ pub struct Measurement {
     pub targets: Option<Arc<TargetMeasurement>>,
     /// The heights over a plane, if they were measured.
     pub contacts: Option<Arc<PlaneContact>>,
+    /// The effects of the mechanism file through which the readings are seen.
+    pub instrument: Vec<ActiveEffect>,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+impl Measurement {
+    /// The effects on the measurement with these values of the own parameters of the data.
+    pub fn located(&self, own: &[f64]) -> Vec<ActiveEffect> {
+        let count = self.instrument.iter().map(|e| e.values.len()).sum();
+        let mut next = own[own.len().saturating_sub(count)..].iter();
+        let mut effects = self.instrument.clone();
+        for effect in &mut effects {
+            for (value, new) in effect.values.iter_mut().zip(&mut next) {
+                *value = *new;
+            }
+        }
+        effects
+    }
 }
 
 /// Reads a measurement file for a machine.
@@ -75,12 +93,15 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
         }
     };
     let data = Dataset::new(samples, model, noise);
-    Ok(Measurement { data, targets: measured_targets, contacts: measured_contacts, warnings })
+    let data = SeenThrough::wrap(&data, machine.plain(), &machine.surroundings, &machine.instrument)
+        .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
+    let instrument = machine.instrument.clone();
+    Ok(Measurement { data, targets: measured_targets, contacts: measured_contacts, instrument, warnings })
 }
 
 /// Labels, joints and operating states.
 fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Result<Vec<Sample>, FileError> {
-    let mechanism = machine.mechanism.as_ref();
+    let mechanism = machine.plain();
     let at = Conditions::unknown();
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let joints: Vec<Option<usize>> = (0..mechanism.joints().len()).map(|k| find(Meaning::Joint(k))).collect();
@@ -101,10 +122,9 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
             missing[0],
         )));
     }
-    let States { mut states, warnings: found } = States::read(table, machine)?;
+    let States { mut states, warnings: found, .. } = States::read(table, machine)?;
     warnings.extend(found);
     let id = find(Meaning::Id);
-    let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &at).ok();
     let mut commands: Vec<Vec<f64>> = Vec::with_capacity(table.rows.len());
     for row in 0..table.rows.len() {
         let values: Vec<f64> = if from_pose {
@@ -130,7 +150,7 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
         };
         commands.push(values);
     }
-    Conditions::put_in_run(&mut states, commands.clone(), home.as_deref());
+    Conditions::put_in_run(&mut states, commands.clone(), machine.surroundings.home_joints.as_deref());
     let label = |row: usize| id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
     let sample = |(row, (joints, conditions))| Sample { id: label(row), row, joints, conditions };
     Ok(commands.into_iter().zip(states).enumerate().map(sample).collect())

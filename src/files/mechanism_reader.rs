@@ -1,11 +1,11 @@
 //! From the words of a mechanism file to a [`Machine`]: units, ranges, and what does not fit together.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::document::{LegEntry, MechanismDocument, ToleranceSection};
+use super::effects::{Effects, with_effects};
 use super::error::FileError;
 use super::joint_columns::check_joints;
 use super::kinds::{self, KINDS, check_keys};
@@ -13,6 +13,7 @@ use super::machine::{Machine, POSE, SIX_HARDPOINT};
 use super::surroundings::surroundings;
 use super::writer::number;
 use crate::conditions::Conditions;
+use crate::effect::Surroundings;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{
     GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace, check_distinct_anchors,
@@ -285,12 +286,6 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         let known: Vec<String> = kinds().map(|k| format!("\"{k}\"")).collect();
         return Err(r.value("type", format!("'{kind}' is not a kind of mechanism; use one of {}", known.join(", "))));
     }
-    if !document.effects.is_empty() {
-        return Err(r.value(
-            "[[effect]]",
-            "this version cannot use effects and would command without them; use the file without the section",
-        ));
-    }
     let pivot = r.point("pivot", &document.pivot)?;
     let convention = PoseConvention { order: document.rotation_order, pivot };
     let home = document.home.as_ref().map(|h| r.six("[home]", &h.position, &h.rotation)).transpose()?;
@@ -342,7 +337,10 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets.push(TargetPoint { name: t.name.clone(), platform });
     }
     let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
-    let surroundings = Arc::new(surroundings(r, &document)?);
+    let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
+    let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
+    let surroundings = Surroundings { home_joints, ..surroundings(r, &document)? };
+    let Effects { mechanism, instrument, surroundings } = with_effects(r, &document, mechanism, surroundings)?;
     warnings.extend(check_joints(r, &document)?);
     Ok(Machine {
         path: path.into(),
@@ -354,6 +352,7 @@ pub(super) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets,
         contact,
         surroundings,
+        instrument,
         length_unit: r.length,
         angle_unit: r.angle,
         warnings,

@@ -9,6 +9,7 @@
 
 mod column;
 mod document;
+mod effects;
 mod error;
 mod extension;
 mod joint_columns;
@@ -38,6 +39,6 @@ pub use machine::Machine;
 pub use measurement_file::{Measurement, read_measurement};
 pub use outputs::Outputs;
 pub use plane::PlaneSection;
-pub use pose_file::{ListedPose, read_parameter_errors, read_poses};
+pub use pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
 pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
 pub use writer::{CsvTable, number};

@@ -7,6 +7,7 @@ use super::error::FileError;
 use super::machine::Machine;
 use super::states::States;
 use super::table::{Table, no_data_row, read_cells};
+use super::writer::CsvTable;
 use crate::conditions::Conditions;
 use crate::mechanism::{Mechanism, ParameterSpec};
 use crate::pose::Pose;
@@ -23,12 +24,31 @@ pub struct ListedPose {
     pub conditions: Conditions,
 }
 
+/// A list of poses, read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseList {
+    /// The poses in order.
+    pub poses: Vec<ListedPose>,
+    /// The columns of covariates and times as they stand in the file.
+    pub covariates: CsvTable,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
 /// Reads a list of poses: columns x, y, z, rx, ry, rz with units, or a quaternion instead of the angles. Other
 /// columns with numbers are covariates.
 ///
 /// # Errors
 /// [`FileError`] naming row, column and what to do.
 pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<ListedPose>, FileError> {
+    Ok(read_pose_list(path, machine)?.poses)
+}
+
+/// Reads the same with the columns of the operating states as they stand.
+///
+/// # Errors
+/// As [`read_poses`].
+pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseList, FileError> {
     let path = path.as_ref();
     let table = Table::read(path, machine, &[])?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
@@ -50,7 +70,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
     let home = machine.convention.coordinates(&machine.mechanism.home());
     let id = find(Meaning::Id);
     let mut poses = Vec::with_capacity(table.rows.len());
-    let States { states, .. } = States::read(&table, machine)?;
+    let States { states, ignored, warnings } = States::read(&table, machine)?;
     for (row, conditions) in states.into_iter().enumerate() {
         let mut q = home;
         for (k, column) in columns.iter().enumerate() {
@@ -66,7 +86,15 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
         let id = id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
         poses.push(ListedPose { id, pose: machine.convention.pose(&q), conditions });
     }
-    Ok(poses)
+    let is_state =
+        |k: &usize| matches!(table.columns[*k].meaning, Meaning::Covariate(_) | Meaning::Clock) && !ignored.contains(k);
+    let kept: Vec<usize> = (0..table.columns.len()).filter(is_state).collect();
+    let covariates = CsvTable {
+        comments: Vec::new(),
+        header: kept.iter().map(|k| table.columns[*k].name.clone()).collect(),
+        rows: table.rows.iter().map(|(_, cells)| kept.iter().map(|k| cells[*k].clone()).collect()).collect(),
+    };
+    Ok(PoseList { poses, covariates, warnings })
 }
 
 /// Reads parameter errors (`leg,xA_mm,…,h_mm`) in the order of the parameters of a mechanism, SI; parameters

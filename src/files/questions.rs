@@ -1,22 +1,60 @@
-//! From a machine and its data to a question for the diagnosis.
+//! From a machine and its data to a question for the diagnosis, and from its answer to an extended machine.
 
+use super::document::MechanismDocument;
+use super::error::FileError;
 use super::machine::Machine;
-use crate::diagnosis::Question;
-use crate::effect::{Extended, catalogue};
-use crate::measurement::Dataset;
-use crate::mechanism::Mechanism;
+use crate::diagnosis::{Cause, Diagnosis, Question};
+use crate::effect::{ActiveEffect, catalogue};
+use crate::measurement::{Dataset, Frames};
 
 impl Machine {
-    /// The mechanism without the effects of its file.
-    pub fn plain(&self) -> &dyn Mechanism {
-        let whole = self.mechanism.as_ref();
-        (whole as &dyn std::any::Any).downcast_ref::<Extended>().map_or(whole, Extended::inner)
+    /// The machine of the same file without its effects.
+    ///
+    /// # Errors
+    /// [`FileError`] as for any file.
+    pub fn without_effects(self) -> Result<Self, FileError> {
+        if self.document.effects.is_empty() {
+            return Ok(self);
+        }
+        let mut document = self.document.clone();
+        document.effects.clear();
+        let mut plain = Self::from_document(document, &self.path)?;
+        plain.inputs = self.inputs;
+        Ok(plain)
+    }
+
+    /// The file of the extended model that a diagnosis of this machine found, in the frames of the drawing.
+    ///
+    /// # Errors
+    /// [`FileError`] if there is no mechanism of the values that were found.
+    pub fn extended_document(&self, found: &Diagnosis) -> Result<MechanismDocument, FileError> {
+        let plain = self.plain();
+        let calibrated = plain
+            .with_values(&found.values, plain.home())
+            .map_err(|cause| FileError::Geometry { path: self.path.clone(), cause })?;
+        let sigma = |effect: &ActiveEffect| -> Vec<f64> {
+            let is_it =
+                |c: &&Cause| c.effect == effect.effect.name() && c.leg == effect.at.leg && c.row == effect.at.row;
+            let cause = found.causes.iter().find(is_it);
+            let of = |c: &Cause| c.parameters.iter().map(|p| p.sigma.unwrap_or(f64::NAN)).collect();
+            cause.map(of).unwrap_or_default()
+        };
+        let sigmas: Vec<Vec<f64>> = found.effects.iter().map(sigma).collect();
+        self.document_with_effects(
+            calibrated.as_ref(),
+            self.workspace.as_ref(),
+            &Frames::default(),
+            &found.effects,
+            &sigmas,
+            &found.surroundings,
+        )
     }
 }
 
 impl<'a> Question<'a> {
-    /// What does this machine get wrong in these data? All effects of the catalogue are looked for, those in the file of the
-    /// machine too, and of the stated noise only the ratio is used.
+    /// What does this machine get wrong in these data? All effects of the catalogue are looked for, and of the stated noise
+    /// only the ratio is used. Data of a machine whose file has effects are read with the machine
+    /// [`without_effects`](Machine::without_effects), so that these are looked for anew.
     pub fn of(machine: &'a Machine, data: &'a Dataset) -> Self {
         Self {
             mechanism: machine.plain(),

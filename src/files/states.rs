@@ -17,6 +17,8 @@ use crate::units::Dimension;
 /// The states of the rows of a table, outside of a run.
 pub(super) struct States {
     pub(super) states: Vec<Conditions>,
+    /// Columns of no known meaning that hold no number at all, such as remarks.
+    pub(super) ignored: Vec<usize>,
     /// What the user should know.
     pub(super) warnings: Vec<String>,
 }
@@ -65,7 +67,7 @@ impl States {
             state.gravity = gravity.at(table, row, &state)?;
             states.push(state);
         }
-        Ok(Self { states, warnings })
+        Ok(Self { states, ignored, warnings })
     }
 }
 

@@ -10,7 +10,7 @@ use crate::effect::{Sensor, Surroundings};
 use crate::mechanism::Body;
 use crate::units::{Dimension, Unit};
 
-/// The surroundings of a document, without the reference temperatures of its effects.
+/// The surroundings of a document, without the reference temperatures of its effects and without the joints at home.
 pub(super) fn surroundings(r: &Reader<'_>, document: &MechanismDocument) -> Result<Surroundings, FileError> {
     let reference = document.reference_temperature;
     let platform = document.platform.as_ref();
@@ -34,6 +34,7 @@ pub(super) fn surroundings(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         payload_centre: point("[platform] payload_centre", platform.and_then(|p| p.payload_centre))?,
         screw_pitch: pitch.map(|v| Ok(r.length.to_si(r.known("[actuator] screw_pitch", v)?))).transpose()?,
         sensors,
+        home_joints: None,
     })
 }
 

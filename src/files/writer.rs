@@ -19,6 +19,14 @@ pub struct CsvTable {
 }
 
 impl CsvTable {
+    /// Puts the columns of another table with as many rows to the right of its own.
+    pub fn append(&mut self, other: &Self) {
+        self.header.extend_from_slice(&other.header);
+        for (row, more) in self.rows.iter_mut().zip(&other.rows) {
+            row.extend_from_slice(more);
+        }
+    }
+
     /// The file's text.
     pub fn to_text(&self) -> String {
         let mut text: String = self.comments.iter().map(|c| format!("# {c}\n")).collect();

@@ -91,6 +91,11 @@ pub trait MeasurementModel: Debug + Send + Sync {
     /// determines one. Registration starts from it.
     fn rigid_pose(&self, sample: usize) -> Option<Pose>;
 
+    /// The six coordinates of the measured pose as they stand in the file, m and rad, if all were measured.
+    fn coordinates(&self, _sample: usize) -> Option<[f64; 6]> {
+        None
+    }
+
     /// What is known of the place of the target on the platform.
     fn target_frame(&self) -> TargetFrame {
         TargetFrame::Convention

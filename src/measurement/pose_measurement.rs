@@ -197,6 +197,11 @@ impl MeasurementModel for PoseMeasurement {
         reading.measured.iter().all(|m| *m).then(|| self.convention.pose(&reading.values))
     }
 
+    fn coordinates(&self, sample: usize) -> Option<[f64; 6]> {
+        let reading = &self.readings[sample];
+        reading.measured.iter().all(|m| *m).then_some(reading.values)
+    }
+
     fn point(&self, sample: usize) -> Option<PointReading> {
         let reading = &self.readings[sample];
         let position = Vector3::from_column_slice(&reading.values[..3]);

@@ -15,6 +15,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
+use crate::effect::{ActiveEffect, Setting, seen};
 use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
@@ -28,6 +29,8 @@ pub struct SimulatedSample {
     pub joints: Vec<f64>,
     /// Where the true mechanism went.
     pub truth: Pose,
+    /// Where the instrument sees it, without noise.
+    pub seen: Pose,
     /// Measured coordinates, m and rad.
     pub measured: [f64; 6],
 }
@@ -67,17 +70,60 @@ pub fn simulate<R: Rng + ?Sized>(
     noise: &Noise,
     rng: &mut R,
 ) -> Result<Vec<SimulatedSample>, (usize, KinematicsError)> {
-    let at = Conditions::unknown();
-    let mut samples = Vec::with_capacity(poses.len());
-    for (k, pose) in poses.iter().enumerate() {
-        let mut joints = nominal.inverse(nominal.values(), pose, &at).map_err(|e| (k, e))?;
-        let went = truth.forward(truth.values(), &joints, &at, pose).map_err(|e| (k, e))?;
+    let run: Vec<Command> = poses.iter().map(|p| Command { pose: *p, state: Conditions::unknown() }).collect();
+    simulate_run(nominal, truth, &run, None, convention, noise, rng)
+}
+
+/// A pose to command, and the state in which it is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// The pose.
+    pub pose: Pose,
+    /// What is true meanwhile; its place in the run is filled in.
+    pub state: Conditions,
+}
+
+/// Effects on the measurement, and what they measure from.
+#[derive(Clone, Copy, Debug)]
+pub struct Instrument<'a> {
+    /// The nominal mechanism and what stands around it.
+    pub setting: &'a Setting<'a>,
+    /// The effects; those that act on the mechanism are left out.
+    pub effects: &'a [ActiveEffect],
+}
+
+/// The same for a run, one row after the other, in states that the true mechanism may depend on, and seen through an
+/// instrument. The first row is approached from the home of the nominal mechanism.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_run<R: Rng + ?Sized>(
+    nominal: &dyn Mechanism,
+    truth: &dyn Mechanism,
+    run: &[Command],
+    instrument: Option<&Instrument<'_>>,
+    convention: &PoseConvention,
+    noise: &Noise,
+    rng: &mut R,
+) -> Result<Vec<SimulatedSample>, (usize, KinematicsError)> {
+    let commands: Vec<Vec<f64>> = run
+        .iter()
+        .enumerate()
+        .map(|(k, c)| nominal.inverse(nominal.values(), &c.pose, &Conditions::unknown()).map_err(|e| (k, e)))
+        .collect::<Result<_, _>>()?;
+    let home = nominal.inverse(nominal.values(), &nominal.home(), &Conditions::unknown()).ok();
+    let mut states: Vec<Conditions> = run.iter().map(|c| c.state.clone()).collect();
+    Conditions::put_in_run(&mut states, commands.clone(), home.as_deref());
+    let mut samples = Vec::with_capacity(run.len());
+    for (k, ((Command { pose, .. }, mut joints), at)) in run.iter().zip(commands).zip(&states).enumerate() {
+        let went = truth.forward(truth.values(), &joints, at, pose).map_err(|e| (k, e))?;
         if truth.equations() > 6 {
             // More joints than the pose needs cannot all follow their commands: readings are those of the pose that was
             // reached.
-            joints = truth.inverse(truth.values(), &went, &at).map_err(|e| (k, e))?;
+            joints = truth.inverse(truth.values(), &went, at).map_err(|e| (k, e))?;
         }
-        let mut measured = convention.coordinates(&went);
+        let seen = instrument.map_or(went, |i| seen(i.effects, i.setting, &joints, &went, at));
+        let mut measured = convention.coordinates(&seen);
         for (c, value) in measured.iter_mut().enumerate() {
             *value += normal(rng, if c < 3 { noise.position } else { noise.rotation });
         }
@@ -86,19 +132,19 @@ pub fn simulate<R: Rng + ?Sized>(
                 *joint += normal(rng, noise.joint);
             }
         }
-        samples.push(SimulatedSample { joints, truth: went, measured });
+        samples.push(SimulatedSample { joints, truth: went, seen, measured });
     }
     Ok(samples)
 }
 
-/// Heights over a plane that are measured where the true mechanism went, m.
+/// Heights over a plane that are measured where the instrument sees the platform, m.
 pub fn measured_heights<R: Rng + ?Sized>(
     samples: &[SimulatedSample],
     contact: &Contact,
     noise: &Noise,
     rng: &mut R,
 ) -> Vec<f64> {
-    let height = |s: &SimulatedSample| contact.plane.height(&s.truth.place(&contact.tip)) + normal(rng, noise.position);
+    let height = |s: &SimulatedSample| contact.plane.height(&s.seen.place(&contact.tip)) + normal(rng, noise.position);
     samples.iter().map(height).collect()
 }
 

@@ -2,6 +2,7 @@
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 
 pub mod campaign;
+pub mod effects;
 pub mod kinds;
 pub mod planar;
 pub mod ranges;

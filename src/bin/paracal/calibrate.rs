@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
-use paracal::files::{CsvTable, Outputs, number};
+use paracal::effect::{ActiveEffect, effects_of};
+use paracal::files::{CsvTable, EffectEntry, Machine, Measurement, Outputs, number};
 use paracal::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, identifier,
@@ -92,9 +93,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.covariance {
         outputs.check(path)?;
     }
-    let machine = ui.machine(&args.mechanism)?;
+    let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
+    ui.refer(&mut machine, &measurement.data, &args.data);
     let holdout = match (&args.holdout, &second) {
         (None, _) => Holdout::Folds(5),
         (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine).context("--holdout")?.data)),
@@ -138,6 +140,15 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.own_parameters().is_empty()) {
         document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
     }
+    if !machine.effects().is_empty() {
+        document.effects = refitted(&machine, &result, &measurement);
+        if result.registration.applied {
+            ui.warn(
+                "the effects of the file act in the frame of its base and were identified as if the data were in it; put \
+                 the data into that frame",
+            );
+        }
+    }
     let written = outputs.add_mechanism(&args.output, &document)?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
@@ -150,6 +161,23 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         &json::calibration(&result, chosen.name(), &largest_correlations(&result)),
     );
     Ok(verdict(result.verdict.trusted))
+}
+
+/// The effects of the file with the identified values, their 1σ, and the range of the data.
+fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) -> Vec<EffectEntry> {
+    let on_measurement = measurement.located(&result.identification.own_values());
+    let mut effects: Vec<ActiveEffect> =
+        effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
+    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data));
+    let sigmas: Vec<Vec<f64>> = effects
+        .iter()
+        .map(|effect| {
+            let mine = format!("{}.", effect.label());
+            let own = result.parameters.iter().filter(|p| p.spec.name.starts_with(&mine));
+            own.map(|p| p.sigma.unwrap_or(f64::NAN)).collect()
+        })
+        .collect();
+    machine.effect_entries(&effects, &sigmas, machine.surroundings())
 }
 
 fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {

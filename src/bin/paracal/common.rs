@@ -78,6 +78,14 @@ impl Ui {
     }
 }
 
+impl Ui {
+    /// Lets a machine take the references that its file does not state from data, and says so.
+    pub(crate) fn refer(&self, machine: &mut Machine, data: &Dataset, path: &Path) {
+        let states = data.iter().map(|s| &s.conditions);
+        machine.refer_to(states, &path.display().to_string()).iter().for_each(|w| self.warn(w));
+    }
+}
+
 /// Progress of work in steps.
 pub(crate) struct Steps {
     bar: ProgressBar,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use paracal::diagnosis::{DiagnoseError, Question, Verdict, diagnose};
 use paracal::files::Outputs;
 use paracal::report::{json, text};
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.output {
         outputs.check(path)?;
     }
-    let machine = ui.machine(&args.mechanism)?;
+    let machine = ui.machine(&args.mechanism)?.without_effects()?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     if args.noise_known && !measurement.data.noise.known {
@@ -55,7 +55,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         if found.verdict == Verdict::Misread {
             ui.warn(&format!("{} is not written: the data were read wrongly", path.display()));
         } else {
-            bail!("not yet");
+            let document = machine.extended_document(&found).context("the extended model")?;
+            let written = outputs.add_mechanism(path, &document)?;
+            written.warnings.iter().for_each(|w| ui.warn(w));
+            outputs.write()?;
         }
     }
     ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found));

@@ -23,8 +23,9 @@ pub(crate) struct Args {
 const OTHER_FRAME: f64 = 0.05;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let machine = ui.machine(&args.mechanism)?;
+    let mut machine = ui.machine(&args.mechanism)?;
     let measurement = ui.measurement(&args.data, &machine)?;
+    ui.refer(&mut machine, &measurement.data, &args.data);
     let mechanism = machine.mechanism.as_ref();
     let errors = evaluate(mechanism, &[], &measurement.data)
         .map_err(|error| about(error, &machine, &args.data, &measurement.data))?;

@@ -5,15 +5,17 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use paracal::conditions::Conditions;
+use paracal::effect::{ActiveEffect, Acts, EffectParameter, Setting};
 use paracal::files::Machine;
 use paracal::identification::{DataSpectrum, WeakDirection, weak_directions};
 use paracal::measurement::Noise;
 use paracal::mechanism::{Body, Mechanism, Survey, characteristic_length, condition};
-use paracal::report::{json, text};
+use paracal::report::{json as reported, text};
 use paracal::selection::{Prospect, prospect};
-use paracal::units::Dimension;
+use paracal::units::{Dimension, show_quantity};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use serde_json::{Value, json};
 
 use crate::common::Ui;
 
@@ -74,15 +76,47 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         warnings,
     };
     seen.lengths = lengths(mechanism, seen.legs(), &seen.home_joints);
-    let mut shown = json::inspection(&seen);
+    let mut shown = reported::inspection(&seen);
     shown["joints"] = machine.joint_names().into();
     let mut report = text::inspection(&seen);
     if machine.joint_names().iter().zip(mechanism.joints()).any(|(own, j)| *own != j.name) {
         let report_joints = machine.joint_names().join(", ");
         report += &format!("\n\nJoints of the legs in URDF and in data columns: {report_joints}");
     }
+    let effects = machine.effects();
+    shown["effects"] = effects.iter().map(|e| effect_json(&machine, e)).collect();
+    if !effects.is_empty() {
+        let lines: Vec<String> = effects.iter().map(|e| format!("  {}", effect_text(&machine, e))).collect();
+        report += &format!("\n\nEffects:\n{}", lines.join("\n"));
+    }
     ui.result(&report, &shown);
     Ok(ExitCode::SUCCESS)
+}
+
+fn effect_json(machine: &Machine, effect: &ActiveEffect) -> Value {
+    let parameters = parameters(machine, effect);
+    let parameter =
+        |(p, value): &(EffectParameter, f64)| json!({ "name": p.name, "value": value, "unit": p.dimension.si() });
+    json!({
+        "effect": effect.effect.name(),
+        "leg": effect.at.leg.map(|leg| leg + 1),
+        "row": effect.at.row,
+        "of": effect.at.covariate,
+        "parameters": parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "range": effect.range,
+    })
+}
+
+fn effect_text(machine: &Machine, effect: &ActiveEffect) -> String {
+    let value = |(p, value): &(EffectParameter, f64)| format!("{} {}", p.name, show_quantity(*value, p.dimension));
+    let values: Vec<String> = parameters(machine, effect).iter().map(value).collect();
+    let seen = if effect.effect.acts_on() == Acts::Measurement { " (seen by the instrument only)" } else { "" };
+    format!("{}{seen}: {}", effect.label(), values.join(", "))
+}
+
+fn parameters(machine: &Machine, effect: &ActiveEffect) -> Vec<(EffectParameter, f64)> {
+    let setting = Setting::new(machine.plain(), machine.surroundings());
+    effect.effect.parameters(&setting).into_iter().zip(effect.values.iter().copied()).collect()
 }
 
 /// Lengths of the legs: nominal ones, those of rods, or of joints that are legs; NaN where there is none.

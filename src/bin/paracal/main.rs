@@ -5,6 +5,7 @@ mod common;
 mod compensate;
 mod convert;
 mod diagnose;
+mod effect_args;
 mod evaluate;
 mod inspect;
 mod select;

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.output {
         outputs.check(path)?;
     }
-    let machine = ui.machine(&args.mechanism)?;
+    let machine = ui.machine(&args.mechanism)?.without_effects()?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     let question = Question { noise_known: args.noise_known, ..Question::of(&machine, &measurement.data) };

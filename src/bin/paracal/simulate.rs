@@ -1,21 +1,25 @@
 //! `paracal simulate`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use paracal::files::{CsvTable, ListedPose, Outputs, number, read_parameter_errors, read_poses};
+use paracal::effect::{ActiveEffect, Extended, Recorded, Setting, effects_of, without_effects};
+use paracal::files::{
+    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, number, read_parameter_errors, read_pose_list,
+};
 use paracal::measurement::{Frames, Noise};
 use paracal::mechanism::Mechanism;
-use paracal::pose::Pose;
-use paracal::simulation::{SimulatedSample, draw_parameters, measured_heights, simulate};
+use paracal::simulation::{Command, Instrument, SimulatedSample, draw_parameters, measured_heights, simulate_run};
 use paracal::units::{Dimension, Unit, parse_quantity, shortened, show_angle, show_length};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
 use crate::common::{JointsAndPose, Ui, joints_and_poses};
+use crate::effect_args::effect_entry;
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Measure {
@@ -46,6 +50,11 @@ pub(crate) struct Args {
     /// as o_deg.
     #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
+    /// An effect on the true mechanism or on the instrument: NAME=VALUE,… or NAME[leg=3]=VALUE,…, with row=40 or of=temp_x
+    /// in the brackets where it needs them. Values are in SI, all parameters in order. Repeat for more effects. The run is
+    /// the list of poses, whose columns state temperatures, elevation, payload and time.
+    #[arg(long = "effect", value_name = "NAME[leg=3]=VALUE,…")]
+    effects: Vec<String>,
     /// 1 sigma of a measured position coordinate; that of the mechanism file if absent.
     #[arg(long, value_name = "LENGTH")]
     noise_position: Option<String>,
@@ -88,8 +97,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let rotation = quantity("noise-rotation", &args.noise_rotation, Dimension::Angle)?;
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
-    let mechanism = machine.mechanism.as_ref();
-    let listed = read_poses(&args.poses, &machine)?;
+    let list = read_pose_list(&args.poses, &machine)?;
+    list.warnings.iter().for_each(|w| ui.warn(w));
+    let actual = with_effects(&machine, &args.effects, &list, &args.poses, ui)?;
+    let (mechanism, listed) = (actual.plain(), &list.poses);
     let stated = machine.noise.unwrap_or(Noise::stated(0.0, 0.0));
     let noise = Noise {
         position: position.unwrap_or(stated.position),
@@ -111,14 +122,21 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         (None, Some(sd)) => draw_parameters(mechanism, sd, &mut rng),
         (None, None) => mechanism.values().to_vec(),
     };
-    let truth = mechanism.with_values(&values, mechanism.home())?;
-    let poses: Vec<Pose> = listed.iter().map(|l| l.pose).collect();
-    let samples = simulate(mechanism, truth.as_ref(), &poses, &machine.convention, &noise, &mut rng).map_err(
-        |(row, cause)| {
-            let advice = "take poses nearer to home, or smaller errors";
-            anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
-        },
-    )?;
+    let inner = mechanism.with_values(&values, mechanism.home())?;
+    let moving = effects_of(actual.mechanism.as_ref()).to_vec();
+    let truth: Box<dyn Mechanism> = match moving.is_empty() {
+        true => inner,
+        false => Box::new(Extended::new(inner, Arc::clone(actual.surroundings()), moving)),
+    };
+    let run: Vec<Command> = listed.iter().map(|l| Command { pose: l.pose, state: l.conditions.clone() }).collect();
+    let setting = Setting::new(mechanism, actual.surroundings());
+    let instrument = Instrument { setting: &setting, effects: actual.instrument() };
+    let convention = &machine.convention;
+    let simulated = simulate_run(mechanism, truth.as_ref(), &run, Some(&instrument), convention, &noise, &mut rng);
+    let samples = simulated.map_err(|(row, cause)| {
+        let advice = "take poses nearer to home, or smaller errors";
+        anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
+    })?;
     warn_outside(ui, mechanism, &samples);
     let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
         id: listed.id.clone(),
@@ -136,21 +154,57 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let heights = measured_heights(&samples, &machine.contact, &noise, &mut rng);
         with_heights(&mut table, &heights, machine.length_unit);
     }
+    table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
     if let Some(path) = &args.truth {
-        let document = machine.document_of(truth.as_ref(), machine.workspace.as_ref(), &[], &Frames::default())?;
+        let plain = without_effects(truth.as_ref());
+        let (workspace, frames, effects) = (machine.workspace.as_ref(), Frames::default(), actual.effects());
+        let document =
+            machine.document_with_effects(plain, workspace, &frames, &effects, &[], actual.surroundings())?;
         let written = outputs.add_mechanism(path, &document)?;
         written.warnings.iter().for_each(|w| ui.warn(w));
     }
     outputs.write()?;
+    let effects: Vec<String> = actual.effects().iter().map(ActiveEffect::label).collect();
     let text =
         format!("{} samples in {}: noise {shown_noise}, seed {}", samples.len(), args.output.display(), args.seed);
     let shown = json!({
         "rows": samples.len(), "noise_position_m": noise.position, "noise_rotation_rad": noise.rotation,
-        "seed": args.seed, "true_values": truth.values(),
+        "seed": args.seed, "true_values": without_effects(truth.as_ref()).values(), "effects": effects,
     });
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
+}
+
+/// The machine with the effects of its file and of the call, which refer to the temperatures of the list.
+fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Path, ui: &Ui) -> Result<Machine> {
+    let own = machine.effects().len();
+    let mut document = machine.document().clone();
+    for text in asked {
+        let (entry, active) = effect_entry(text, machine)?;
+        let before = document.effects.iter().any(|e| e.label() == entry.label());
+        if before {
+            bail!("--effect '{text}': {} is stated twice, here or in the mechanism file; keep one", active.label());
+        }
+        document.effects.push(entry);
+    }
+    let mut actual = Machine::from_document(document, &machine.path)?;
+    let states = || list.poses.iter().map(|l| &l.conditions);
+    actual.refer_to(states(), &path.display().to_string()).iter().for_each(|w| ui.warn(w));
+    let setting = Setting::new(actual.plain(), actual.surroundings());
+    let labels: Vec<String> = actual.document().effects.iter().map(EffectEntry::label).collect();
+    for effect in actual.effects() {
+        let lacking = states().map(|s| effect.lacking(&setting, &Recorded::of_state(s)));
+        let Some((row, names)) = lacking.enumerate().find(|(_, names)| !names.is_empty()) else { continue };
+        let (label, names) = (effect.label(), names.join(", "));
+        let problem = format!("{}: data row {row}: {label} needs {names}", path.display());
+        if labels.iter().position(|l| *l == label).is_some_and(|k| k >= own) {
+            bail!("{problem}; add the column or fill in the cell");
+        }
+        ui.warn(&format!("{problem}; without it the effect does nothing"));
+    }
+    drop(setting);
+    Ok(actual)
 }
 
 /// Puts heights in the place of the six columns of the pose.

@@ -27,7 +27,7 @@ impl Effect for Backlash {
 
     fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
         let mut missing = if setting.is_pose_space() { vec!["legs".into()] } else { Vec::new() };
-        if recorded.moves.is_none_or(|[_, most]| most == 0.0) {
+        if recorded.moves.last().is_none_or(|most| *most == 0.0) {
             missing.push("moves from one row to the next".into());
         }
         missing
@@ -52,8 +52,10 @@ impl Effect for Backlash {
     }
 }
 
-/// Widths of play that are tried, m or rad.
+/// Widths of play that are tried, m.
 const WIDTHS: [f64; 4] = [5e-6, 2e-5, 8e-5, 3e-4];
+/// Part of the moves that must be shorter than a width, or else play of that width is backlash.
+const SHORT: f64 = 0.1;
 
 /// Play with a memory: a joint follows its command only at the ends of its play, so that moves shorter than the play
 /// are lost. After long moves it is backlash and nothing else; it is tested where some moves are shorter.
@@ -64,6 +66,11 @@ const WIDTHS: [f64; 4] = [5e-6, 2e-5, 8e-5, 3e-4];
 pub struct Play;
 
 impl Play {
+    /// Widths that the moves tell from backlash.
+    fn widths(recorded: &Recorded) -> Vec<f64> {
+        WIDTHS.into_iter().filter(|w| recorded.shorter_moves(*w) > SHORT).collect()
+    }
+
     /// What remains of the way through the play at a row of the run: `P(L) - L`.
     fn lost(history: &[Vec<f64>], row: usize, leg: usize, home: f64, width: f64) -> f64 {
         let follow = |at: f64, command: f64| at.clamp(command - 0.5 * width, command + 0.5 * width);
@@ -87,7 +94,7 @@ impl Effect for Play {
         }
         if !recorded.run {
             missing.push("the complete history of commands".into());
-        } else if recorded.moves.is_none_or(|[least, _]| least >= WIDTHS[WIDTHS.len() - 1] || least == 0.0) {
+        } else if Self::widths(recorded).is_empty() {
             missing.push("moves shorter than the play, without which it is backlash".into());
         }
         missing
@@ -97,8 +104,8 @@ impl Effect for Play {
         per_leg(setting, "part", Dimension::None, 1.0)
     }
 
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
-        Scan::Covariates(WIDTHS.iter().map(|w| format!("{:.0}um", 1e6 * w)).collect())
+    fn scan(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Scan {
+        Scan::Covariates(Self::widths(recorded).into_iter().map(|w| format!("{:.0}um", 1e6 * w)).collect())
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {

@@ -38,7 +38,7 @@ impl Machine {
     /// # Errors
     /// [`FileError::Value`] for a mechanism of another kind than six legs.
     pub fn to_urdf(&self) -> Result<UrdfFiles, FileError> {
-        let mechanism: &dyn std::any::Any = self.mechanism.as_ref();
+        let mechanism: &dyn std::any::Any = self.plain();
         let Some(legs) = mechanism.downcast_ref::<SixHardpoint>().map(SixHardpoint::to_legs) else {
             return Err(FileError::Value {
                 path: self.path.clone(),
