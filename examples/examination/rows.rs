@@ -16,7 +16,7 @@ const fn paper(key: &'static str, title: &'static str, kind: Kind, extra: bool) 
     Paper { key, title, kind, extra }
 }
 
-pub(crate) const PAPERS: [Paper; 13] = [
+pub(crate) const PAPERS: [Paper; 14] = [
     paper("one", "one effect, 3 x its detection limit", Kind::One(3.0), false),
     paper("tenfold", "one effect, 10 x its detection limit", Kind::One(10.0), false),
     paper("one-outliers", "one effect, 3 x its limit, with 5 % outliers", Kind::OneWithOutliers(3.0), false),
@@ -29,5 +29,6 @@ pub(crate) const PAPERS: [Paper; 13] = [
     paper("noise", "no effect, sigma grows by a factor 3", Kind::Noise(3.0), false),
     paper("one-1x", "one effect at its detection limit", Kind::One(1.0), true),
     paper("one-2x", "one effect, 2 x its detection limit", Kind::One(2.0), true),
-    paper("one-5x", "one effect, 5 x its detection limit", Kind::One(5.0), true),
+    paper("one-30x", "one effect, 30 x its detection limit", Kind::One(30.0), true),
+    paper("one-100x", "one effect, 100 x its detection limit", Kind::One(100.0), true),
 ];
