@@ -1,12 +1,14 @@
 //! Names and outliers in turn, until both stay.
 
 use super::DiagnoseError;
+use super::covariates::covariates;
 use super::model::{Candidate, Fitting, Model};
+use super::noise;
 use super::outliers::{distances, outliers, suspicious};
-use super::remainder;
 use super::result::NoiseVaries;
 use super::search::Search;
-use super::table::{Point, Subject, Table};
+use super::subject::{Point, Subject};
+use super::table::Table;
 use crate::effect::ActiveEffect;
 use crate::identification::IdentifyError;
 use crate::solve::SolveError;
@@ -46,7 +48,7 @@ impl Explored {
         let model = self.model(subject, self.names.clone())?;
         let all = distances(&self.full, &model, &subject.groups, &self.left_out);
         let kept: Vec<usize> = (0..self.full.samples()).filter(|k| !self.left_out.contains(k)).collect();
-        Ok(remainder::noise_varies(&all, &remainder::covariates(subject.data), &kept))
+        Ok(noise::noise_varies(&all, &covariates(subject.data), &kept))
     }
 
     /// σ of the rows of each joint over the stated one.
@@ -76,7 +78,7 @@ impl Explorer<'_> {
             return Err(DiagnoseError::NothingFits { outliers: explored.left_out.len(), samples });
         }
         let model = explored.model(self.subject, explored.names.clone())?;
-        if let Some(rho) = remainder::correlation(&model, &explored.left_out) {
+        if let Some(rho) = noise::correlation(&model, &explored.left_out) {
             let trimmed = !explored.left_out.is_empty();
             explored = self.explore(trimmed, (1.0 + rho) / (1.0 - rho))?;
             explored.correlation = Some(rho);

@@ -2,17 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use super::covariates::covariates;
 use super::explore::Explored;
 use super::gain::{folds, held_out, rms};
 use super::limits::{lambda, limit};
 use super::model::{Candidate, Model};
-use super::remainder::{covariates, remainder, rival, worth_of};
+use super::remainder::{remainder, rival, worth_of};
 use super::result::{
     Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
 };
 use super::search::{Score, TIED, scores, separability};
 use super::settle::TOLD_APART;
-use super::table::Subject;
+use super::subject::Subject;
 use super::{DiagnoseError, Question};
 use crate::effect::ActiveEffect;
 use crate::identification::Registration;

@@ -3,11 +3,12 @@
 //! Currie's limit: the size with which the test of the effect, at the level of the whole catalogue and with all places of
 //! its scan counted, comes out with a probability of 95 %. It follows from the columns alone, before anything is measured.
 
-use super::model::{Asked, Model};
+use super::asked::Asked;
+use super::model::Model;
 use super::result::NotFound;
 use super::search::LEVEL;
 use super::statistics::detection_limit;
-use super::table::Group;
+use super::subject::Group;
 
 /// `λ` that an effect must reach, with `tests` effects in the catalogue and so many places of its own.
 pub(super) fn lambda(rank: usize, tests: usize, places: usize) -> f64 {

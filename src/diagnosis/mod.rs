@@ -13,7 +13,7 @@
 //! The way there, with the file that goes it:
 //!
 //! 1. **Preflight** ([`preflight`], [`readings`]): would the file fit much better if it were read otherwise?
-//! 2. **Baseline** ([`table`]): the parameters are identified with a prior of two tolerances, which keeps the two weak
+//! 2. **Baseline** ([`subject`], [`table`]): the parameters are identified with a prior of two tolerances, which keeps the two weak
 //!    directions of each leg finite, and the columns of everything are computed once.
 //! 3. **Outliers** ([`outliers`]): samples that fit nothing, judged again after every step.
 //! 4. **Search** ([`search`]): all columns are projected off those of the parameters ([`model`]). Names are *detected*
@@ -28,13 +28,17 @@
 //! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
 //! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
 
+mod asked;
+mod covariates;
 mod design;
 mod error;
 mod explore;
 mod findings;
 mod gain;
+mod joint_functions;
 mod limits;
 mod model;
+mod noise;
 mod outliers;
 mod preflight;
 mod readings;
@@ -43,6 +47,7 @@ mod result;
 mod search;
 mod settle;
 mod statistics;
+mod subject;
 mod table;
 
 use std::sync::Arc;
@@ -61,7 +66,7 @@ use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
 use explore::Explorer;
-use table::Subject;
+use subject::Subject;
 
 /// Tolerances by which parameters may differ from the drawing.
 const TOLERANCES: f64 = 2.0;

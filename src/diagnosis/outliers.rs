@@ -6,7 +6,8 @@ use statrs::distribution::ChiSquared;
 use super::DiagnoseError;
 use super::model::{Candidate, Fitting, Model};
 use super::statistics::upper_quantile;
-use super::table::{Group, Table};
+use super::subject::Group;
+use super::table::Table;
 
 /// Probability of a sound sample to be called a gross error.
 const LEVEL: f64 = 1e-6;

@@ -16,11 +16,11 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::covariates::Covariate;
 use super::model::{Candidate, Model};
-use super::result::{NoiseVaries, Unknown};
+use super::result::Unknown;
 use super::statistics::upper_f;
-use super::table::Group;
-use crate::measurement::Dataset;
+use super::subject::Group;
 
 /// Levels of the families of tests.
 const SMOOTH: f64 = 1e-3;
@@ -28,71 +28,10 @@ const WAVE: f64 = 1e-3;
 const JUMP: f64 = 5e-4;
 const SCATTER: f64 = 5e-4;
 const SIZE: f64 = 2e-3;
-const NOISE: f64 = 1e-3;
 /// Samples on either side of a jump.
 const FEW: usize = 3;
 /// Degree of the polynomial.
 const DEGREE: usize = 4;
-
-/// A covariate of every sample.
-#[derive(Clone, Debug)]
-pub(super) struct Covariate {
-    pub(super) name: String,
-    /// The leg that it belongs to; `None` if it concerns all.
-    leg: Option<usize>,
-    values: Vec<f64>,
-    /// True if waves in it are looked for.
-    waves: bool,
-}
-
-impl Covariate {
-    fn range(&self) -> (f64, f64) {
-        self.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
-    }
-
-    /// Scaled to -1 … 1.
-    fn scaled(&self) -> Vec<f64> {
-        let (low, high) = self.range();
-        self.values.iter().map(|v| 2.0 * (v - low) / (high - low) - 1.0).collect()
-    }
-}
-
-/// The recorded and derived covariates that change.
-pub(super) fn covariates(data: &Dataset) -> Vec<Covariate> {
-    let mut all: Vec<Covariate> = Vec::new();
-    let mut add = |name: String, leg: Option<usize>, waves: bool, get: &dyn Fn(usize) -> Option<f64>| {
-        let values: Option<Vec<f64>> = (0..data.len()).map(get).collect();
-        if let Some(values) = values {
-            let covariate = Covariate { name, leg, values, waves };
-            let (low, high) = covariate.range();
-            if high - low > 1e-9 * low.abs().max(high.abs()) {
-                all.push(covariate);
-            }
-        }
-    };
-    let Some(first) = (!data.is_empty()).then(|| data.sample(0)) else { return all };
-    let names: Vec<&String> = first.conditions.covariates.keys().collect();
-    for name in &names {
-        // Three components say what the elevation says; a column of units has said it before.
-        let leg = name.strip_prefix("temp_leg").and_then(|n| n.parse::<usize>().ok()?.checked_sub(1));
-        let waves = matches!(name.as_str(), "time" | "azimuth");
-        add((*name).clone(), leg, waves, &|k| data.sample(k).conditions.get(name));
-    }
-    if !names.iter().any(|n| *n == "temp_legs") {
-        add("temp_legs".into(), None, false, &|k| data.sample(k).conditions.leg_temperature());
-    }
-    if !names.iter().any(|n| *n == "time") {
-        add("row".into(), None, true, &|k| Some(data.sample(k).row as f64));
-    }
-    for leg in 0..first.joints.len() {
-        add(format!("length_leg{}", leg + 1), Some(leg), true, &|k| data.sample(k).joints.get(leg).copied());
-        add(format!("travel_leg{}", leg + 1), Some(leg), false, &|k| {
-            let s = data.sample(k);
-            Some(s.joints.get(leg)? - s.conditions.previous_joints.as_ref()?.get(leg)?)
-        });
-    }
-    all
-}
 
 /// One finding of a smooth or a wave.
 #[derive(Clone, Debug)]
@@ -322,71 +261,4 @@ pub(super) fn rival(
         runner_up: None,
         withdrawn: Vec::new(),
     })
-}
-
-/// Does the size of the residual depend on a covariate, and which σ has each sample then, relative to the middle of the
-/// range? Regression of `ln(d²)` on each, with `d²` the length squared of
-/// a sample over what the noise would give.
-pub(super) fn noise_varies(
-    distances: &[Option<(f64, usize)>],
-    covariates: &[Covariate],
-    kept: &[usize],
-) -> Option<(NoiseVaries, Vec<f64>)> {
-    let mut best: Option<(f64, NoiseVaries, Vec<f64>)> = None;
-    let tested: Vec<&Covariate> = covariates.iter().filter(|c| c.leg.is_none()).collect();
-    for covariate in &tested {
-        let x = covariate.scaled();
-        let points: Vec<(f64, f64)> = kept
-            .iter()
-            .filter_map(|k| {
-                distances[*k].filter(|(d, n)| *d > 0.0 && *n > 1).map(|(d, n)| (x[*k], (d / n as f64).ln()))
-            })
-            .collect();
-        let n = points.len() as f64;
-        if n < 12.0 {
-            continue;
-        }
-        let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-        let (mut sxx, mut sxy, mut syy) = (0.0, 0.0, 0.0);
-        for (x, y) in &points {
-            sxx += (x - mx).powi(2);
-            sxy += (x - mx) * (y - my);
-            syy += (y - my).powi(2);
-        }
-        if !(sxx > 0.0) {
-            continue;
-        }
-        let slope = sxy / sxx;
-        let rest = (syy - slope * sxy).max(f64::MIN_POSITIVE) / (n - 2.0);
-        let p_value = upper_f(slope * slope * sxx / rest, 1.0, n - 2.0) * tested.len() as f64;
-        if p_value < NOISE && best.as_ref().is_none_or(|(p, ..)| p_value < *p) {
-            // ln σ² changes by 2 slopes over the range.
-            let spreads = x.iter().map(|x| (0.5 * slope * x).exp()).collect();
-            best = Some((
-                p_value,
-                NoiseVaries { covariate: covariate.name.clone(), ratio: slope.exp(), p_value },
-                spreads,
-            ));
-        }
-    }
-    best.map(|(_, found, spreads)| (found, spreads))
-}
-
-/// Correlation of the residual of each sample with that of the sample before, and whether it is more than chance.
-pub(super) fn correlation(model: &Model<'_>, left_out: &[usize]) -> Option<f64> {
-    let table = model.table;
-    let (mut product, mut square, mut count) = (0.0, 0.0, 0.0);
-    let kept = |k: usize| !left_out.contains(&k);
-    for k in 1..table.samples() {
-        let ((a, n), (b, m)) = (table.rows[k - 1], table.rows[k]);
-        if n == m && n > 0 && kept(k) && kept(k - 1) {
-            let (before, now) = (model.residual.rows(a, n), model.residual.rows(b, m));
-            product += before.dot(&now);
-            square += 0.5 * (before.norm_squared() + now.norm_squared());
-            count += n as f64;
-        }
-    }
-    // Four σ, and rows enough that this means something.
-    let rho = if square > 0.0 { product / square } else { 0.0 };
-    (count > 30.0 && rho * f64::sqrt(count) > 4.0).then_some(rho.min(0.95))
 }

@@ -1,6 +1,6 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
-use super::table::Group;
+use super::subject::Group;
 use crate::effect::{ActiveEffect, Acts, Surroundings};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;

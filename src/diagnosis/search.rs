@@ -3,9 +3,11 @@
 use nalgebra::DMatrix;
 
 use super::DiagnoseError;
-use super::model::{Asked, Candidate, Fitting, Model, columns_of};
+use super::asked::Asked;
+use super::model::{Candidate, Fitting, Model, columns_of};
 use super::statistics::log_mean;
-use super::table::{Group, Table};
+use super::subject::Group;
+use super::table::Table;
 
 /// Family-wise level of the catalogue.
 pub(super) const LEVEL: f64 = 0.004;

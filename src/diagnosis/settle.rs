@@ -12,7 +12,7 @@ use super::design::{model_of, planned, table_of};
 use super::model::Candidate;
 use super::result::{Cause, Diagnosis};
 use super::search::separability;
-use super::table::Subject;
+use super::subject::Subject;
 use super::{DiagnoseError, Question, TOLERANCES};
 use crate::conditions::Conditions;
 use crate::effect::effect;

@@ -197,8 +197,17 @@ fn lists(d: &Diagnosis) -> String {
     }
     if !d.not_testable.is_empty() {
         text += "\nnot testable with these data:\n";
+        // Effects that miss the same stand together.
+        let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
         for n in &d.not_testable {
-            text += &format!("  {}: needs {}\n", n.effect, n.missing.join(", "));
+            let needs = n.missing.join(", ");
+            match groups.iter_mut().find(|(other, _)| *other == needs) {
+                Some((_, effects)) => effects.push(&n.effect),
+                None => groups.push((needs, vec![&n.effect])),
+            }
+        }
+        for (needs, effects) in groups {
+            text += &format!("  {}: needs {needs}\n", effects.join(", "));
         }
     }
     text
