@@ -54,12 +54,16 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
     let robot = PlanarCables::new("cable robot", &segments, &CABLES.map(cable), home, None)?;
     let robot = robot.identifying(|p| p.name.contains('B'))?;
 
-    let sample = |(row, r): (usize, &Vec<f64>)| Sample {
+    let lengths = |r: &Vec<f64>| -> Vec<f64> { (0..3).map(|k| r[k] * DRUMS[k]).collect() };
+    let mut states = vec![Conditions::unknown(); rows.len()];
+    Conditions::put_in_run(&mut states, rows.iter().map(lengths).collect(), Some(&[0.0; 3]));
+    let sample = |((row, r), conditions): ((usize, &Vec<f64>), Conditions)| Sample {
         row,
-        joints: (0..3).map(|k| r[k] * DRUMS[k]).collect(),
+        joints: lengths(r),
+        conditions,
         ..Sample::default()
     };
-    let samples: Vec<Sample> = rows.iter().enumerate().map(sample).collect();
+    let samples: Vec<Sample> = rows.iter().enumerate().zip(states).map(sample).collect();
     let reading = |r: &Vec<f64>| PoseReading {
         values: [r[3], r[4], 0.0, 0.0, 0.0, 0.0],
         measured: [true, true, false, false, false, false],
