@@ -24,20 +24,35 @@ static RICH_MECHANISM: LazyLock<String> = LazyLock::new(|| {
     let tail = "\n[home]\nposition = [0.0, 0.0, 485.696]\nrotation = [0.0, 0.0, 0.0]\n\n[platform]\nmass_kg = 500.0\n\
                 centre_of_mass = [0.0, 0.0, 150.0]\n\n[actuator]\nscrew_pitch = 5.0\n\n[[target]]\nname = \"p1\"\n\
                 platform = [1300.0, 0.0, 80.0]\n\n[[target]]\nname = \"ball\"\n\n[plane]\n\
-                normal = [0.1, 0.0, 1.0]\ndistance = 5.0\ntip = [1.0, 2.0, -3.0]\nidentify = true\n";
+                normal = [0.1, 0.0, 1.0]\ndistance = 5.0\ntip = [1.0, 2.0, -3.0]\nidentify = true\n\n[[sensor]]\n\
+                covariate = \"temp_base1\"\nbase = [1400.0, 0.0, 0.0]\n\n[[effect]]\nname = \"thermal.leg.single\"\nleg = 1\n\
+                parameters = { expansion = 1.17e-5 }\nsigma = { expansion = 1e-7 }\nrange = { temp_leg1 = [12.0, 25.0] }\n\n\
+                [[effect]]\nname = \"step.frame\"\nrow = 7\n\
+                parameters = { x = 1e-5, y = 0.0, z = 0.0, rx = 0.0, ry = 0.0, rz = 2e-6 }\n";
     format!("{head}{first}{tail}")
 });
 
+/// A positioner in pose space.
+const POSITIONER: &str = "name = \"stage\"\ntype = \"pose\"\nlength_unit = \"um\"\nangle_unit = \"arcsec\"\n\n[home]\n\
+    position = [1.0, 2.0, 3.0]\nrotation = [4.0, 5.0, 6.0]\n\n[tolerance]\nanchor = 100.0\nangle = 50.0\n\n[offset]\n\
+    position = [1.0, 2.0, 3.0]\nrotation = [4.0, 5.0, 6.0]\n\n[[effect]]\nname = \"thermal.pose\"\nof = \"temp_mount\"\n\
+    parameters = { x = 1e-6, y = 0.0, z = 0.0, rx = 0.0, ry = 0.0, rz = 2e-6 }\nreference = { temp_mount = 10.5 }\n";
+
 /// The data with labels, times, temperatures, uncertainties, remarks, and quaternions instead of angles.
 static RICH_DATA: LazyLock<String> = LazyLock::new(|| {
-    let mut text = "# remarks\nid,time_utc,temp_leg1_degC,time_s,sigma_x_mm,note,elevation_deg,\"free\",".to_owned();
+    let mut text = "# remarks\nid,time_utc,temp_leg1_degC,time_s,sigma_x_mm,note,elevation_deg,\"free\",\
+                    gravity_x,gravity_y,gravity_z,"
+        .to_owned();
     for (k, line) in DATA.lines().enumerate() {
         let cells: Vec<&str> = line.split(',').take(9).collect();
         if k == 0 {
             text += &format!("{},qw,qx,qy,qz\n", cells.join(","));
         } else {
             let clock = format!("2026-03-01T12:{k:02}:00+01:00");
-            text += &format!("r{k},{clock},20.5,{k},0.001,\"well, well\",45,{k}e-3,{},1,0,0,0\n", cells.join(","));
+            text += &format!(
+                "r{k},{clock},20.5,{k},0.001,\"well, well\",45,{k}e-3,0.6,0,-0.8,{},1,0,0,0\n",
+                cells.join(",")
+            );
         }
     }
     text
@@ -51,7 +66,8 @@ const TARGETS: &str = "cmd_x_mm,cmd_y_mm,cmd_z_mm,cmd_rx_deg,p1x_mm,p1y_mm,p1z_m
 const HEIGHTS: &str = "leg1_mm,leg2_mm,leg3_mm,leg4_mm,leg5_mm,leg6_mm,contact_mm,sigma_contact_um\n\
                        800,800,800,800,800,800,480,2\n810,800,800,800,800,790,,\n800,810,800,800,790,800,0,1\n";
 
-const POSES: &str = "id,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\na,0,0,475,0,0,0\nb,10,-10,480,1,2,3\n,1,1,475.5,0,0,5\n";
+const POSES: &str = "id,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg,temp_leg1_degC,time_utc\na,0,0,475,0,0,0,20,23:59:00\n\
+                     b,10,-10,480,1,2,3,21.5,00:01:00\n,1,1,475.5,0,0,5,,\n";
 
 const ERRORS: &str = "leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm\n1,0.1,0,0,0,0,0,0\n2,0,0.2,0,0,0,0,1e-3\n";
 
@@ -245,7 +261,8 @@ fn measurement(path: PathBuf) -> Result<Measurement, paracal::files::FileError> 
 #[test]
 fn the_texts_are_good_before_they_are_spoilt() {
     Machine::from_text(MECHANISM, Path::new("plain.toml")).unwrap();
-    assert_eq!(MACHINE.targets.len(), 2);
+    Machine::from_text(POSITIONER, Path::new("stage.toml")).unwrap();
+    assert_eq!((MACHINE.targets.len(), MACHINE.effects().len()), (2, 2));
     for text in [DATA, &RICH_DATA, TARGETS, HEIGHTS] {
         let (_folder, path) = file("d.csv", text.as_bytes());
         measurement(path).unwrap();
@@ -253,7 +270,7 @@ fn the_texts_are_good_before_they_are_spoilt() {
     let (_folder, path) = file("p.csv", POSES.as_bytes());
     assert_eq!(read_poses(path, &MACHINE).unwrap().len(), 3);
     let (_folder, path) = file("e.csv", ERRORS.as_bytes());
-    read_parameter_errors(path, MACHINE.mechanism.as_ref()).unwrap();
+    read_parameter_errors(path, MACHINE.plain()).unwrap();
 }
 
 #[test]
@@ -303,7 +320,7 @@ fn mechanism_texts() -> Vec<&'static str> {
         include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/tripod-3rps.toml")),
         include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/planar-cables.toml")),
     ];
-    [MECHANISM, &RICH_MECHANISM].into_iter().chain(KINDS).collect()
+    [MECHANISM, &RICH_MECHANISM, POSITIONER].into_iter().chain(KINDS).collect()
 }
 
 proptest! {
@@ -365,7 +382,7 @@ proptest! {
     fn parameter_errors(text in bad_text(vec![ERRORS])) {
         let (_folder, path) = file("bad.csv", &text);
         let named = path.clone();
-        match in_time(move || read_parameter_errors(path, MACHINE.mechanism.as_ref()))? {
+        match in_time(move || read_parameter_errors(path, MACHINE.plain()))? {
             Err(error) => check_message(&error, &named)?,
             Ok(errors) => prop_assert!(errors.iter().all(|e| e.is_finite())),
         }

@@ -158,6 +158,9 @@ impl Extended {
         pose: &Pose,
         at: &Conditions,
     ) -> Result<Perturbation, KinematicsError> {
+        if theta.iter().all(|v| *v == 0.0) {
+            return Ok(Perturbation::sized(inner.len(), joints.len()));
+        }
         let mut block = MotionBlock::sized_for(self.inner.as_ref());
         self.inner.motion_block(inner, joints, pose, at, &mut block)?;
         let setting = self.setting();

@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 
 use super::document::{HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection};
 use super::error::{FileError, read_text};
-use super::extension::OffsetSection;
 use super::kinds::{self, Parts, parts};
 use super::mechanism_reader::{Reader, build};
 use super::plane::{PlaneSection, carried};
@@ -227,26 +226,6 @@ impl Machine {
         Ok(document)
     }
 
-    /// The same for a positioner in pose space.
-    fn document_of_positioner(
-        &self,
-        positioner: &PosePositioner,
-        workspace: Option<&Workspace>,
-        targets: &[TargetPoint],
-        frames: &Frames,
-    ) -> MechanismDocument {
-        let mut document = self.document.clone();
-        let mut offsets = [0.0; 6];
-        offsets.copy_from_slice(positioner.offsets());
-        let (position, rotation) = self.in_units(offsets);
-        document.offset = Some(OffsetSection { position, rotation });
-        document.home = Some(self.home_section(&positioner.home()));
-        document.workspace = workspace.map(|w| self.workspace_section(w)).or(document.workspace);
-        self.carry_sections(&mut document, frames);
-        self.put_targets(&mut document, targets);
-        document
-    }
-
     /// The same for a kind that is made from a closure: it keeps the frames of its drawing and is mounted in those of the
     /// measurement.
     fn document_of_parts(
@@ -277,7 +256,7 @@ impl Machine {
     }
 
     /// What is stated on the platform moves with the platform frame, what stands on the base with the base.
-    fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
+    pub(super) fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
         let onto_target = frames.target.inverse();
         let moved = |p: &mut [f64; 3]| self.move_point(p, &onto_target);
         if frames.target != Pose::identity() {
@@ -304,23 +283,23 @@ impl Machine {
         *p = motion.place(&place).map(|v| self.length_unit.from_si(v)).into();
     }
 
-    fn in_units(&self, q: [f64; 6]) -> ([f64; 3], [f64; 3]) {
+    pub(super) fn in_units(&self, q: [f64; 6]) -> ([f64; 3], [f64; 3]) {
         let length = |k: usize| self.length_unit.from_si(q[k]);
         let angle = |k: usize| self.angle_unit.from_si(q[k]);
         ([length(0), length(1), length(2)], [angle(3), angle(4), angle(5)])
     }
 
-    fn home_section(&self, pose: &Pose) -> HomeSection {
+    pub(super) fn home_section(&self, pose: &Pose) -> HomeSection {
         let (position, rotation) = self.in_units(self.convention.coordinates(pose));
         HomeSection { position, rotation }
     }
 
-    fn workspace_section(&self, workspace: &Workspace) -> WorkspaceSection {
+    pub(super) fn workspace_section(&self, workspace: &Workspace) -> WorkspaceSection {
         let (position, rotation) = self.in_units(workspace.half);
         WorkspaceSection { position, rotation }
     }
 
-    fn put_targets(&self, document: &mut MechanismDocument, targets: &[TargetPoint]) {
+    pub(super) fn put_targets(&self, document: &mut MechanismDocument, targets: &[TargetPoint]) {
         let point = |p: &Vector3<f64>| [p.x, p.y, p.z].map(|v| self.length_unit.from_si(v));
         let entry = |t: &TargetPoint| TargetEntry { name: t.name.clone(), platform: t.platform.as_ref().map(point) };
         if !targets.is_empty() {

@@ -10,14 +10,13 @@ use super::error::FileError;
 use super::joint_columns::check_joints;
 use super::kinds::{self, KINDS, check_keys};
 use super::machine::{Machine, POSE, SIX_HARDPOINT};
+use super::positioner::pose_positioner;
 use super::surroundings::surroundings;
 use super::writer::number;
 use crate::conditions::Conditions;
 use crate::effect::Surroundings;
 use crate::measurement::{Noise, TargetPoint};
-use crate::mechanism::{
-    GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace, check_distinct_anchors,
-};
+use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, check_distinct_anchors};
 use crate::pose::{PoseConvention, RotationOrder};
 use crate::units::{Dimension, Unit};
 
@@ -136,7 +135,7 @@ fn read_legs(r: &Reader<'_>, entries: &[LegEntry]) -> Result<(Vec<Leg>, Vec<Leg>
 }
 
 /// A mechanism and, if the file keeps them apart, the one by which the controller turns poses into joints.
-type Made = (Box<dyn Mechanism>, Option<Box<dyn Mechanism>>);
+pub(super) type Made = (Box<dyn Mechanism>, Option<Box<dyn Mechanism>>);
 
 /// Six legs of variable length.
 fn six_hardpoint(
@@ -175,41 +174,6 @@ fn six_hardpoint(
         }
     };
     Ok((Box::new(mechanism), nominal))
-}
-
-/// A positioner that is commanded in coordinates of the pose.
-fn pose_positioner(
-    r: &Reader<'_>,
-    document: &MechanismDocument,
-    convention: &PoseConvention,
-    home: Option<[f64; 6]>,
-    _warned: &mut Vec<String>,
-) -> Result<Made, FileError> {
-    let legs = !document.legs.is_empty() || !document.nominal_legs.is_empty();
-    let cables = !document.cables.is_empty() || !document.nominal_cables.is_empty();
-    if legs || cables || document.mounting.is_some() || document.identify.is_some() {
-        let problem = "[[leg]], [[cable]], [mounting] and identify mean nothing for type \"pose\"; delete them";
-        return Err(r.value("type", problem));
-    }
-    if document.noise.as_ref().is_some_and(|n| n.joint != 0.0) {
-        return Err(r.value("[noise] joint", "means nothing for type \"pose\", whose joints are commanded; delete it"));
-    }
-    let offset = document.offset.clone().unwrap_or_default();
-    let offsets = r.six("[offset]", &offset.position, &offset.rotation)?;
-    let tolerance = match &document.tolerance {
-        None => None,
-        Some(t) => {
-            let (position, _) = r.tolerance(t)?;
-            let missing =
-                || r.value("[tolerance] angle", "is missing; a mechanism of type \"pose\" needs 1σ of an angle");
-            let angle = r.angle.to_si(r.known("[tolerance] angle", t.angle.ok_or_else(missing)?)?);
-            Some([position, angle])
-        }
-    };
-    let home = convention.pose(&home.unwrap_or_default());
-    let made = PosePositioner::new(&document.name, *convention, home, offsets, tolerance);
-    let geometry = |cause| FileError::Geometry { path: r.path.into(), cause };
-    Ok((Box::new(made.map_err(geometry)?), None))
 }
 
 /// A mechanism of another kind, made from its closure.

@@ -20,6 +20,7 @@ mod mechanism_reader;
 mod outputs;
 mod plane;
 mod pose_file;
+mod positioner;
 mod questions;
 mod readings;
 mod states;

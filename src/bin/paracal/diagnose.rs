@@ -43,7 +43,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         bail!("--noise-known: {} states no [noise], and the data no sigma columns", args.mechanism.display());
     }
     let question =
-        Question { noise_known: args.noise_known, seed: args.seed, ..Question::of(&machine, &measurement.data) };
+        Question { noise_known: args.noise_known, seed: args.seed, ..Question::of(&machine, &measurement.as_read) };
     let progress = ui.progress(format!("looking for causes in {} samples", measurement.data.len()));
     let found = diagnose(&question).map_err(|error| match error {
         DiagnoseError::Identify(cause) => about(cause, &machine, &args.data, &measurement.data),

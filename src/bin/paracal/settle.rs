@@ -35,7 +35,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?.without_effects()?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
-    let question = Question { noise_known: args.noise_known, ..Question::of(&machine, &measurement.data) };
+    let question = Question { noise_known: args.noise_known, ..Question::of(&machine, &measurement.as_read) };
     let progress = ui.progress("looking for measurements that settle".into());
     let named = |error| anyhow::Error::new(error).context(args.data.display().to_string());
     let found = diagnose(&question).map_err(named)?;
