@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use super::limits::limit;
-use super::model::{Fitting, Model};
+use super::model::{Candidate, Fitting, Model};
 use super::result::{NotFound, NotTestable};
 use super::subject::{Point, Subject};
 use super::table::Table;
 use super::{DiagnoseError, Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
-use crate::measurement::{Dataset, Noise, PoseMeasurement, Sample};
+use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
-/// The samples as full poses that are measured just where the mechanism says, with this noise.
+/// The samples as poses of which these coordinates are measured, just where the mechanism says, with this noise.
 ///
 /// # Errors
 /// [`IdentifyError::Sample`] if a sample has no pose.
@@ -22,6 +22,7 @@ pub fn planned(
     samples: Vec<Sample>,
     convention: PoseConvention,
     noise: Noise,
+    measured: [bool; 6],
 ) -> Result<Dataset, IdentifyError> {
     let pose = |(k, s): (usize, &Sample)| {
         mechanism
@@ -29,7 +30,10 @@ pub fn planned(
             .map_err(|cause| IdentifyError::Sample { row: k, label: String::new(), cause })
     };
     let poses: Vec<Pose> = samples.iter().enumerate().map(pose).collect::<Result<_, _>>()?;
-    let model = PoseMeasurement::full(convention, &poses, noise.position, noise.rotation);
+    let (p, r) = (noise.position, noise.rotation);
+    let sigma = [p, p, p, r, r, r];
+    let reading = |pose: &Pose| PoseReading { values: convention.coordinates(pose), measured, sigma };
+    let model = PoseMeasurement::new(convention, poses.iter().map(reading).collect());
     Ok(Dataset::new(samples, Arc::new(model), noise))
 }
 
@@ -43,7 +47,7 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
     let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
     let (subject, missing) = Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
     let table = table_of(&subject)?;
-    let model = model_of(&subject, &table)?;
+    let model = model_of(&subject, &table, Vec::new())?;
     let mut limits = Vec::new();
     let mut missing: Vec<NotTestable> =
         missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
@@ -61,8 +65,12 @@ pub(super) fn table_of(subject: &Subject<'_>) -> Result<Table, DiagnoseError> {
     subject.table(&Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 })
 }
 
-/// The parameters alone, with the noise as stated.
-pub(super) fn model_of<'a>(subject: &Subject<'_>, table: &'a Table) -> Result<Model<'a>, DiagnoseError> {
+/// The parameters and these effects, with the noise as stated.
+pub(super) fn model_of<'a>(
+    subject: &Subject<'_>,
+    table: &'a Table,
+    effects: Vec<Candidate>,
+) -> Result<Model<'a>, DiagnoseError> {
     let fitting = Fitting { rows: table.r.len(), scale: 1.0, inflation: 1.0, known: true };
-    Model::fit(table, &subject.groups, Vec::new(), &fitting)
+    Model::fit(table, &subject.groups, effects, &fitting)
 }

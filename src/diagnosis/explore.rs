@@ -10,8 +10,6 @@ use super::search::Search;
 use super::subject::{Point, Subject};
 use super::table::Table;
 use crate::effect::ActiveEffect;
-use crate::identification::IdentifyError;
-use crate::solve::SolveError;
 
 /// Times that the columns are computed anew.
 const ROUNDS: usize = 3;
@@ -43,6 +41,11 @@ pub(super) struct Explored {
 }
 
 impl Explored {
+    /// σ of position rows and of rotation rows over the stated ones, if their ratio is not the stated one.
+    pub(super) fn ratio(&self, subject: &Subject<'_>) -> Result<Option<[f64; 2]>, DiagnoseError> {
+        Ok(noise::ratio(&self.model(subject, self.names.clone())?, &self.left_out))
+    }
+
     /// What the noise was found to vary with, and the σ of each sample then.
     pub(super) fn noise_varies(&self, subject: &Subject<'_>) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
@@ -103,17 +106,16 @@ impl Explorer<'_> {
         let subject = self.subject;
         let everyone: Vec<usize> = (0..subject.data.len()).collect();
         let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
-        let mut point = subject.fit(&start, &everyone)?;
         let mut names: Vec<Candidate> = Vec::new();
-        let mut left_out: Vec<usize> = Vec::new();
+        let mut left_out = if trim { self.gross(&start)? } else { Vec::new() };
+        let sound: Vec<usize> = everyone.iter().copied().filter(|k| !left_out.contains(k)).collect();
+        let mut point = subject.fit(&start, &sound)?;
         let mut last: Option<Explored> = None;
         for round in 0..ROUNDS {
             let mut full = match (subject.table(&point), last.take()) {
                 (Ok(table), _) => table,
                 // Effects that lead nowhere keep the columns that they were found with.
-                (Err(DiagnoseError::Identify(IdentifyError::Solve(SolveError::Evaluation { .. }))), Some(before)) => {
-                    return Ok(before);
-                }
+                (Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)), Some(before)) => return Ok(before),
                 (Err(error), _) => return Err(error),
             };
             for (name, effect) in names.iter().zip(&point.effects) {
@@ -163,13 +165,23 @@ impl Explorer<'_> {
             let kept: Vec<usize> = everyone.iter().copied().filter(|k| !left_out.contains(k)).collect();
             point = match subject.fit(&Point { effects, ..point.clone() }, &kept) {
                 Ok(point) => point,
-                Err(DiagnoseError::Identify(IdentifyError::Solve(_))) => return Ok(explored),
+                Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)) => return Ok(explored),
                 Err(error) => return Err(error),
             };
             last = Some(explored);
         }
         // The last round returns.
         Err(DiagnoseError::Singular)
+    }
+
+    /// Samples that are far from all others already beside the parameters of the drawing, fitted in one linear step: an error
+    /// of millimetres would lead the first fit away.
+    fn gross(&self, start: &Point) -> Result<Vec<usize>, DiagnoseError> {
+        let full = self.subject.table(start)?;
+        let fitting = Fitting { rows: full.r.len(), scale: 1.0, inflation: 1.0, known: false };
+        let (left_out, _) = outliers(&full, &self.subject.groups, &[], &fitting, &[])?;
+        // Where many are far, the step itself was too long.
+        Ok(if 3 * left_out.len() > full.samples() { Vec::new() } else { left_out })
     }
 
     fn check_freedom(&self, search: &Search<'_>, names: &[Candidate]) -> Result<(), DiagnoseError> {

@@ -1,7 +1,5 @@
 //! From the end of the search to the answer.
 
-use std::collections::BTreeMap;
-
 use super::covariates::covariates;
 use super::explore::Explored;
 use super::gain::{folds, held_out, rms};
@@ -15,9 +13,8 @@ use super::search::{Score, TIED, scores, separability};
 use super::settle::TOLD_APART;
 use super::subject::Subject;
 use super::{DiagnoseError, Question};
-use crate::effect::ActiveEffect;
 use crate::identification::Registration;
-use crate::measurement::Dataset;
+use crate::units::{Dimension, three_digits};
 
 /// A size below this many limits is tentative.
 const TENTATIVE: f64 = 2.0;
@@ -67,7 +64,7 @@ pub(super) fn findings(
         missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
     not_testable.extend(unseen);
     for effect in &mut effects {
-        effect.range = range(effect, subject.data, &kept);
+        effect.range = effect.range_over(&subject.data.subset(&kept));
     }
     let rows: Vec<usize> = explored.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
     let step = judged.step();
@@ -81,6 +78,12 @@ pub(super) fn findings(
              extended model is written in that frame"
                 .into(),
         );
+    }
+    if let Some([position, rotation]) = subject.kind_spreads {
+        warnings.push(format!(
+            "the ratio of position noise to rotation noise is {} times the stated one; rows count by the noise that they have",
+            three_digits(position / rotation)
+        ));
     }
     if subject.mechanism.parameters().iter().all(|p| p.tolerance.is_none()) {
         warnings.push("the mechanism file states no [tolerance]; parameters are only kept finite".into());
@@ -142,14 +145,15 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
         let tests = scores.iter().filter(|s| s.rank > 0).count();
         let own = &scores[name.group];
         let place = name.at(&subject.groups, &rows);
-        let tied_with = rivals(subject, &without, &scores, name, &values, &others);
+        let variance = model.noise.variance() * explored.fitting.inflation;
+        let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
         let lambda_limit = lambda(own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
         let parameter = |(i, spec): (usize, &crate::effect::EffectParameter)| CauseParameter {
             name: spec.name.clone(),
             value: values[i],
             sigma: Some(covariance[(at + i, at + i)].max(0.0).sqrt()).filter(|s| *s < UNSEEN * spec.scale),
-            dimension: spec.dimension,
+            dimension: dimension(subject, spec.dimension, place.leg),
             scale: spec.scale,
         };
         all.push(Cause {
@@ -174,6 +178,15 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
     Ok(all)
 }
 
+/// What a parameter measures at a leg: where joints differ, that of the joint of the leg and not of the first one.
+fn dimension(subject: &Subject<'_>, stated: Dimension, leg: Option<usize>) -> Dimension {
+    let joints = subject.mechanism.joints();
+    match leg.and_then(|leg| joints.get(leg)) {
+        Some(joint) if stated == joints[0].dimension => joint.dimension,
+        _ => stated,
+    }
+}
+
 /// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
 /// one, unless one is a special case of the other.
 fn rivals(
@@ -183,6 +196,7 @@ fn rivals(
     name: &Candidate,
     values: &[f64],
     others: &[Candidate],
+    variance: f64,
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
     let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
@@ -197,10 +211,17 @@ fn rivals(
         if behind > reach {
             continue;
         }
-        let separability = separability(without, &subject.groups, name, values, &s.candidate);
+        let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
         if behind <= TIED || separability < TOLD_APART {
             let at = s.candidate.at(&subject.groups, &rows);
-            tied.push(Rival { effect: other.name().into(), leg: at.leg, row: at.row, behind, separability });
+            tied.push(Rival {
+                effect: other.name().into(),
+                leg: at.leg,
+                row: at.row,
+                of: at.covariate,
+                behind,
+                separability,
+            });
         }
     }
     tied.sort_by(|a, b| a.behind.total_cmp(&b.behind));
@@ -250,22 +271,4 @@ fn gain(question: &Question<'_>, without: &Model<'_>, with: &Model<'_>, kept: &[
         noise_floor_position: floor(noise.position),
         noise_floor_rotation: floor(noise.rotation),
     }
-}
-
-/// Smallest and largest value of each covariate that an effect depends on.
-fn range(effect: &ActiveEffect, data: &Dataset, kept: &[usize]) -> BTreeMap<String, [f64; 2]> {
-    let mut ranges = BTreeMap::new();
-    for name in effect.effect.covariates(&effect.at) {
-        let value = |k: &usize| {
-            let conditions = &data.sample(*k).conditions;
-            if name == "temp_legs" { conditions.leg_temperature() } else { conditions.get(&name) }
-        };
-        let values: Vec<f64> = kept.iter().filter_map(value).collect();
-        if !values.is_empty() {
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            ranges.insert(name, [low, high]);
-        }
-    }
-    ranges
 }

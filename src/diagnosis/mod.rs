@@ -112,6 +112,10 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         subject.spreads = first.spreads(&subject)?;
     }
     let mut explored = Explorer { subject: &subject, known }.explore_with_care()?;
+    if let Some(ratio) = explored.ratio(&subject)?.filter(|_| !known && subject.spreads.is_empty()) {
+        subject.kind_spreads = Some(ratio);
+        explored = Explorer { subject: &subject, known }.explore_with_care()?;
+    }
     let mut noise = None;
     if let Some((varies, spreads)) = explored.noise_varies(&subject)? {
         // Rows count by the noise that they have.

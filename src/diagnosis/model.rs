@@ -131,6 +131,11 @@ impl<'a> Model<'a> {
         Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })
     }
 
+    /// True if what is left is that of rounded numbers and no noise: data from a simulation without any.
+    pub(super) fn is_rounding(&self) -> bool {
+        self.noise.rss <= ROUNDING * ROUNDING * self.table.r.len() as f64
+    }
+
     /// Further columns of the table, by their numbers.
     pub(super) fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
         let x = self.table.a.columns(columns.start, columns.len());
@@ -227,6 +232,12 @@ impl<'a> Model<'a> {
 
     /// `Qᵀ` times functions of the sample times the unit displacement of a joint: one column for each function.
     pub(super) fn joint_functions(&self, joint: usize, functions: &DMatrix<f64>) -> JointFunctions {
+        let one = self.joint_samples(joint);
+        JointFunctions { w: &one.w * functions, functions: functions.clone(), ..one }
+    }
+
+    /// The same for the functions that are one on a single sample each.
+    pub(super) fn joint_samples(&self, joint: usize) -> JointFunctions {
         let column = self.table.joints.start + joint;
         let samples = self.table.samples();
         let mut per_sample = DMatrix::zeros(self.q.ncols(), samples);
@@ -239,15 +250,11 @@ impl<'a> Model<'a> {
             square[k] = v.norm_squared();
             along[k] = v.column(0).dot(&self.residual.rows(*first, *n));
         }
-        JointFunctions {
-            w: &per_sample * functions,
-            square,
-            along,
-            functions: functions.clone(),
-            inflation: self.inflation,
-        }
+        JointFunctions { w: per_sample, square, along, functions: DMatrix::zeros(0, 0), inflation: self.inflation }
     }
 }
 
+/// Part of the stated noise (or of a micrometre without one) that is rounding.
+const ROUNDING: f64 = 1e-5;
 /// Relative ridge on the normal equations: rounding.
 const RIDGE: f64 = 1e-13;

@@ -4,7 +4,10 @@ use super::covariates::Covariate;
 use super::model::Model;
 use super::result::NoiseVaries;
 use super::statistics::upper_f;
+use crate::measurement::RowKind;
 
+/// Level at which the ratio of position to rotation is not the stated one.
+const RATIO: f64 = 1e-4;
 /// Level of the tests of all covariates together.
 const LEVEL: f64 = 1e-3;
 
@@ -54,6 +57,28 @@ pub(super) fn noise_varies(
         }
     }
     best.map(|(_, found, spreads)| (found, spreads))
+}
+
+/// σ of position rows and of rotation rows in units of the stated ones, where their ratio differs from one by more than
+/// chance. A wrong ratio looks like one leg that scatters.
+pub(super) fn ratio(model: &Model<'_>, left_out: &[usize]) -> Option<[f64; 2]> {
+    let table = model.table;
+    let mut sums = [(0.0, 0.0); 2];
+    for (_, (first, n)) in table.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)) {
+        let q = model.leverage_rows(*first, *n);
+        for i in 0..*n {
+            let sum = &mut sums[usize::from(table.kinds[first + i] == RowKind::Rotation)];
+            sum.0 += model.residual[first + i].powi(2);
+            sum.1 += 1.0 - q.row(i).norm_squared();
+        }
+    }
+    let [(p, np), (r, nr)] = sums;
+    if np < 10.0 || nr < 10.0 || !(p > 0.0 && r > 0.0) {
+        return None;
+    }
+    let (vp, vr) = (p / np, r / nr);
+    let chance = if vp > vr { upper_f(vp / vr, np, nr) } else { upper_f(vr / vp, nr, np) };
+    (2.0 * chance < RATIO).then(|| [vp.sqrt(), vr.sqrt()])
 }
 
 /// Correlation of the residual of each sample with that of the sample before, and whether it is more than chance.

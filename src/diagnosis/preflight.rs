@@ -4,7 +4,7 @@
 //! kinematics, which may not exist for a misread file), and the medians of the whitened misfits are compared. A reading
 //! is only believed if it makes the misfit less than half.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Vector6};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 use super::readings::{Reading, Table};
 use super::result::Misread;
@@ -12,10 +12,14 @@ use crate::conditions::Conditions;
 use crate::identification::{Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
 use crate::mechanism::{Linearization, Mechanism};
-use crate::pose::{Pose, PoseConvention};
+use crate::pose::{Pose, PoseConvention, rotation_vector};
 
 /// A reading must make the misfit this many times smaller.
 const BETTER: f64 = 2.0;
+/// A row this many medians away counts for less.
+const FAR: f64 = 4.0;
+/// Measured and commanded spread may differ by this factor where a reading makes numbers smaller.
+const SPREAD: f64 = 3.0;
 /// Rows that the first look takes.
 const FEW: usize = 36;
 /// Steps of the fit in the first look, and of the second.
@@ -45,6 +49,7 @@ pub(super) fn preflight(
         ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     };
     let (at_first, at_last) = (stated(&few, STEPS[0]), stated(&all, STEPS[1]));
+    readings.retain(|reading| trial.is_commanded(reading, &few));
     let mut sure: Vec<(Reading, f64)> = Vec::new();
     for way in &ways {
         let mut found: Vec<(&Reading, f64)> = readings
@@ -64,7 +69,7 @@ pub(super) fn preflight(
         }
     }
     sure.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (best, misfit) = sure.first()?.clone();
+    let (best, misfit) = sure.first().filter(|_| at_last.is_finite())?.clone();
     let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
     Some(Misread {
         reading: best.name().into(),
@@ -72,6 +77,17 @@ pub(super) fn preflight(
         factor: at_last / misfit,
         tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
     })
+}
+
+/// Root mean square of the moves from one pose to the next: shifts, or turns. It is the same in every frame.
+fn spread_of(poses: &[Pose], turns: bool) -> f64 {
+    let moves = poses.windows(2).map(|pair| {
+        let (a, b) = (&pair[0], &pair[1]);
+        let moved: Vector3<f64> =
+            if turns { rotation_vector(&(a.rotation.inverse() * b.rotation)) } else { b.position - a.position };
+        moved.norm_squared()
+    });
+    (moves.sum::<f64>() / poses.len().max(1) as f64).sqrt()
 }
 
 /// About `count` numbers below `n`, evenly spread.
@@ -120,6 +136,25 @@ impl<'a> Trial<'a> {
         let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
         let weights = Vector6::new(p, p, p, r, r, r);
         Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
+    }
+
+    /// False for a reading that makes numbers smaller which the commands do not ask for: it would fit by hiding their noise.
+    fn is_commanded(&self, reading: &Reading, rows: &[usize]) -> bool {
+        let turns = match reading {
+            Reading::AngleUnit(_, factor) if *factor < 1.0 => true,
+            Reading::LengthUnit(_, factor, false) if *factor < 1.0 => false,
+            _ => return true,
+        };
+        let at = Conditions::unknown();
+        let home = self.mechanism.home();
+        let commanded: Option<Vec<Pose>> = rows
+            .iter()
+            .map(|k| self.mechanism.forward(self.mechanism.values(), &self.table.joints[*k], &at, &home).ok())
+            .collect();
+        let read: Option<Vec<Pose>> = rows.iter().map(|k| Some(reading.row(&self.table, &self.home, *k)?.1)).collect();
+        let (Some(commanded), Some(read)) = (commanded, read) else { return true };
+        let (asked, seen) = (spread_of(&commanded, turns), spread_of(&read, turns));
+        asked < SPREAD * seen && seen < SPREAD * asked
     }
 
     /// The order in which the columns of the legs go best with the lengths that the measured poses ask for, if it is
@@ -171,6 +206,7 @@ impl<'a> Trial<'a> {
     fn fitted(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {
         let n = self.mechanism.parameters().len();
         let mut c = self.mechanism.values().to_vec();
+        let mut lengths = vec![0.0; read.len()];
         let mut work = Linearization::sized_for(self.mechanism);
         let mut a = DMatrix::zeros(6 * read.len(), n);
         let mut r = DVector::zeros(6 * read.len());
@@ -182,8 +218,8 @@ impl<'a> Trial<'a> {
                     return None;
                 }
                 // The motion by which the measured pose would have to move, and its columns.
-                let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse()?;
-                let mut inverse = -inverse;
+                let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse();
+                let mut inverse = inverse.map_or_else(|| Matrix6::repeat(f64::NAN), |m| -m);
                 for (mut row, w) in inverse.row_iter_mut().zip(self.weights.iter()) {
                     row *= *w;
                 }
@@ -198,11 +234,23 @@ impl<'a> Trial<'a> {
                     }
                 }
             }
-            if r.iter().any(|v| !v.is_finite()) {
-                return None;
+            // Rows without a number, and rows that are far from the others, must not lead the fit.
+            for (k, length) in lengths.iter_mut().enumerate() {
+                *length = r.fixed_rows::<6>(6 * k).norm();
             }
+            let usual = median(&lengths)?;
             if step == steps {
                 break;
+            }
+            for (k, length) in lengths.iter().enumerate() {
+                let weight = if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
+                if weight < 1.0 {
+                    let rows = 6 * k..6 * k + 6;
+                    for row in rows {
+                        r[row] = if weight > 0.0 { r[row] * weight } else { 0.0 };
+                        a.row_mut(row).apply(|v| *v = if weight > 0.0 { *v * weight } else { 0.0 });
+                    }
+                }
             }
             let mut normal = a.transpose() * &a + &self.precision;
             for k in 0..n {
@@ -212,11 +260,16 @@ impl<'a> Trial<'a> {
             let delta = Cholesky::new(normal)?.solve(&(a.tr_mul(&r) + gradient));
             c.iter_mut().zip(delta.iter()).for_each(|(c, d)| *c -= d);
         }
-        let mut lengths: Vec<f64> = (0..read.len()).map(|k| r.fixed_rows::<6>(6 * k).norm()).collect();
-        lengths.sort_by(f64::total_cmp);
         // An exact file leaves rounding; far below the noise there is nothing to compare.
-        Some(lengths[lengths.len() / 2].max(1e-3))
+        median(&lengths).map(|m| m.max(1e-3))
     }
+}
+
+/// The median of what is finite, if that is most of it.
+fn median(values: &[f64]) -> Option<f64> {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    (2 * finite.len() > values.len()).then(|| finite[finite.len() / 2])
 }
 
 fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {

@@ -98,7 +98,7 @@ pub(super) fn jumps(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
     let mut found = Vec::new();
     let samples = model.table.samples();
     for leg in 0..model.table.joints.len() {
-        let on_leg = model.joint_functions(leg, &DMatrix::identity(samples, samples));
+        let on_leg = model.joint_samples(leg);
         for covariate in covariates.iter().filter(|c| c.leg.is_none_or(|l| l == leg)) {
             let mut order: Vec<usize> = (0..samples).collect();
             order.sort_by(|a, b| covariate.values[*a].total_cmp(&covariate.values[*b]));
@@ -196,6 +196,9 @@ fn scatter(model: &Model<'_>) -> Vec<(usize, f64)> {
 
 /// The most telling of what is left, or nothing.
 pub(super) fn remainder(model: &Model<'_>, covariates: &[Covariate]) -> Option<Unknown> {
+    if model.is_rounding() {
+        return None;
+    }
     let smooths = smooths(model, covariates);
     let waves = waves(model, covariates);
     let mut findings = Vec::new();

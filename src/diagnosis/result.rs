@@ -58,6 +58,8 @@ pub struct Rival {
     pub leg: Option<usize>,
     /// Data row from which on it acts.
     pub row: Option<usize>,
+    /// Covariate or place of its scan.
+    pub of: Option<String>,
     /// How much less evidence it has, nats; below zero if it has more.
     pub behind: f64,
     /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.
@@ -152,7 +154,7 @@ pub struct Gain {
     pub rotation_before: Option<f64>,
     /// The same with them.
     pub rotation_after: Option<f64>,
-    /// Position error with causes where contiguous blocks were held out, m.
+    /// Position error without causes where contiguous blocks were held out, m.
     pub blocked_position_before: Option<f64>,
     /// The same with them.
     pub blocked_position_after: Option<f64>,
@@ -188,7 +190,11 @@ impl NotTestable {
     /// An effect whose columns the data do not see, because what it depends on hardly changes.
     pub(super) fn unchanging(group: &Group) -> Self {
         let covariates = group.effect.covariates(&group.places[0].at);
-        let what = if covariates.is_empty() { "what it depends on".into() } else { covariates.join(", ") };
+        let what = match covariates.len() {
+            0 => "what it depends on".into(),
+            1..=3 => covariates.join(", "),
+            _ => format!("{} and the others", covariates[0]),
+        };
         Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
     }
 }

@@ -81,7 +81,7 @@ pub(super) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score 
     }
     best.places = places;
     best.evidence = log_mean(&evidences);
-    best.p_value = (least * places as f64).min(1.0);
+    best.p_value = if places == 0 { 1.0 } else { (least * places as f64).min(1.0) };
     best
 }
 
@@ -99,6 +99,9 @@ impl<'a> Search<'a> {
 
     /// The best name beside a model: of those that are detected the one with the most evidence.
     fn best(&self, model: &Model<'_>) -> Option<Score> {
+        if model.is_rounding() {
+            return None;
+        }
         let scores = scores(model, self.groups);
         let tests = scores.iter().filter(|s| s.rank > 0).count().max(1);
         let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > 0.0);
@@ -153,14 +156,15 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The part of a named effect, squared and in units of the noise, that a rival cannot imitate beside the model
-/// `without`.
+/// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside
+/// the model `without`.
 pub(super) fn separability(
     without: &Model<'_>,
     groups: &[Group],
     named: &Candidate,
     values: &[f64],
     rival: &Candidate,
+    variance: f64,
 ) -> f64 {
     let theta = DMatrix::from_column_slice(values.len(), 1, values);
     let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
@@ -170,8 +174,7 @@ pub(super) fn separability(
             let largest = svd.singular_values.max();
             let u = svd.u.unwrap_or_else(|| DMatrix::zeros(x.nrows(), 0));
             let mut left = shape.clone();
-            for (k, s) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > 1e-6 * largest) {
-                let _ = s;
+            for (k, _) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > 1e-6 * largest) {
                 let along = u.column(k).dot(&left.column(0));
                 left.column_mut(0).axpy(-along, &u.column(k), 1.0);
             }
@@ -179,5 +182,5 @@ pub(super) fn separability(
         }
         _ => shape,
     };
-    left.norm_squared() / without.noise.variance()
+    left.norm_squared() / variance
 }

@@ -12,12 +12,12 @@ use super::design::{model_of, planned, table_of};
 use super::model::Candidate;
 use super::result::{Cause, Diagnosis};
 use super::search::separability;
-use super::subject::Subject;
+use super::subject::{Place, Subject};
 use super::{DiagnoseError, Question, TOLERANCES};
 use crate::conditions::Conditions;
 use crate::effect::effect;
 use crate::identification::Prior;
-use crate::measurement::{Noise, Sample};
+use crate::measurement::{Dataset, Noise, RowKind, Sample};
 use crate::mechanism::Mechanism;
 
 /// Samples that a plan adds.
@@ -98,32 +98,47 @@ fn separations(
     let scale = if found.noise_scale.is_finite() { found.noise_scale } else { 1.0 };
     let stated = question.data.noise;
     let noise = Noise { position: stated.position * scale, rotation: stated.rotation * scale, ..stated };
-    let data = planned(mechanism, samples, question.convention, noise)?;
+    let data = planned(mechanism, samples, question.convention, noise, measured(question.data))?;
     let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
     let prior = Prior::wide(mechanism, TOLERANCES);
     let (subject, _) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
     let table = table_of(&subject)?;
-    let model = model_of(&subject, &table)?;
+    let named = |c: &Cause| candidate(&subject, &c.effect, c.leg, c.row, c.of.as_ref());
     let mut separations = Vec::new();
     for cause in tied {
-        let Some(named) = candidate(&subject, &cause.effect, cause.leg, cause.row) else { continue };
+        let others = found.causes.iter().filter(|c| !std::ptr::eq(*c, *cause)).filter_map(named).collect();
+        let model = model_of(&subject, &table, others)?;
         let values: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
         for rival in &cause.tied_with {
-            let Some(other) = candidate(&subject, &rival.effect, rival.leg, rival.row) else { continue };
-            separations.push(Separation {
-                effect: cause.effect.clone(),
-                rival: rival.effect.clone(),
-                separability: separability(&model, &subject.groups, &named, &values, &other),
+            let other = candidate(&subject, &rival.effect, rival.leg, rival.row, rival.of.as_ref());
+            // What a plan cannot see it cannot tell apart.
+            let separability = named(cause).zip(other).map_or(0.0, |(named, other)| {
+                separability(&model, &subject.groups, &named, &values, &other, model.noise.variance())
             });
+            separations.push(Separation { effect: cause.effect.clone(), rival: rival.effect.clone(), separability });
         }
     }
     Ok(separations)
 }
 
+/// The coordinates that a planned sample measures: positions alone where the data have no angles.
+fn measured(data: &Dataset) -> [bool; 6] {
+    let angles = (0..data.len()).any(|k| data.rows(k).contains(&RowKind::Rotation));
+    let poses = data.reading(0).0.rigid_pose(data.reading(0).1).is_some();
+    [true, true, true, angles || poses, angles || poses, angles || poses]
+}
+
 /// The place of an effect in the table of a subject.
-fn candidate(subject: &Subject<'_>, name: &str, leg: Option<usize>, row: Option<usize>) -> Option<Candidate> {
+fn candidate(
+    subject: &Subject<'_>,
+    name: &str,
+    leg: Option<usize>,
+    row: Option<usize>,
+    of: Option<&String>,
+) -> Option<Candidate> {
     let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
-    let place = subject.groups[group].places.iter().position(|p| p.at.leg == leg).unwrap_or(0);
+    let is_it = |p: &Place| p.at.leg == leg && p.at.covariate.as_ref() == of;
+    let place = subject.groups[group].places.iter().position(is_it)?;
     let from = row.and_then(|row| subject.data.iter().position(|s| s.row >= row));
     Some(Candidate { group, place, from })
 }
@@ -174,7 +189,7 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
             let far: [f64; 6] = std::array::from_fn(|k| 2.0 * q[k] - home[k]);
             mechanism.inverse(mechanism.values(), &question.convention.pose(&far), &at).ok()
         });
-        if let Some(joints) = twice {
+        if let Some(joints) = twice.filter(|joints| mechanism.within_strokes(joints)) {
             sample.joints = joints;
         }
     }
@@ -211,7 +226,7 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
             }
         }
     }
-    if depends.contains("gravity") && last.get("elevation").is_some() {
+    if depends.contains("gravity") && last.gravity.is_some() {
         let tipped = plan(&|k, c| {
             let from = &chosen[k].conditions;
             let degrees = if k % 2 == 0 { 20.0_f64 } else { 90.0 };

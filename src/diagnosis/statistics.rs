@@ -48,9 +48,12 @@ impl Noise {
     }
 }
 
-/// Upper tail of Fisher's F, with a bound where the library underflows.
+/// Upper tail of Fisher's F; what is no number is no finding.
 pub(super) fn upper_f(f: f64, p: f64, rest: f64) -> f64 {
-    if !f.is_finite() {
+    if f.is_nan() {
+        return 1.0;
+    }
+    if f.is_infinite() {
         return 0.0;
     }
     FisherSnedecor::new(p, rest).map_or(1.0, |d| d.sf(f)).clamp(0.0, 1.0)
@@ -62,7 +65,6 @@ pub(super) fn detection_limit(p: usize, alpha: f64) -> f64 {
     const POWER: f64 = 0.95;
     let Ok(central) = ChiSquared::new(p as f64) else { return f64::INFINITY };
     let critical = upper_quantile(&central, alpha);
-    // Patnaik's and Sankaran's approximations are good to a few per cent; two secant steps on the exact power finish.
     let mut low = 0.0;
     let mut high = (critical.sqrt() + 2.5).powi(2) + 10.0;
     for _ in 0..60 {

@@ -45,6 +45,8 @@ pub(super) struct Subject<'a> {
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
     /// own. Empty if rows are as stated.
     pub(super) spreads: Vec<f64>,
+    /// The same for position rows and for rotation rows, where their ratio is not the stated one.
+    pub(super) kind_spreads: Option<[f64; 2]>,
     /// The same for each sample, where the noise was found to vary. Empty if it does not.
     pub(super) sample_spreads: Vec<f64>,
 }
@@ -138,6 +140,7 @@ impl<'a> Subject<'a> {
                 groups,
                 columns: next,
                 spreads: Vec::new(),
+                kind_spreads: None,
                 sample_spreads: Vec::new(),
             },
             missing,
@@ -230,7 +233,7 @@ impl<'a> Subject<'a> {
             own: x.rows(first_own, own).iter().copied().collect(),
             unwhiten: problem.unwhitening(),
         };
-        table.spread(&self.spreads, &self.sample_spreads);
+        table.spread(&self.spreads, self.kind_spreads, &self.sample_spreads);
         Ok(table)
     }
 

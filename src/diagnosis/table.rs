@@ -39,16 +39,17 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// Divides each row by the spread of the joint that moves it most, and by that of its sample.
-    pub(super) fn spread(&mut self, of_joints: &[f64], of_samples: &[f64]) {
-        if of_joints.is_empty() && of_samples.is_empty() {
+    /// Divides each row by the spread of the joint that moves it most, of its kind, and of its sample.
+    pub(super) fn spread(&mut self, of_joints: &[f64], of_kinds: Option<[f64; 2]>, of_samples: &[f64]) {
+        if of_joints.is_empty() && of_kinds.is_none() && of_samples.is_empty() {
             return;
         }
         for (k, (first, n)) in self.rows.clone().into_iter().enumerate() {
             let of_sample = of_samples.get(k).copied().unwrap_or(1.0);
             for i in 0..n {
                 let of_joint = if of_joints.is_empty() { 1.0 } else { of_joints[self.joint_of(first + i)] };
-                let spread = of_sample * of_joint;
+                let of_kind = of_kinds.map_or(1.0, |k| k[usize::from(self.kinds[first + i] == RowKind::Rotation)]);
+                let spread = of_sample * of_joint * of_kind;
                 self.a.row_mut(first + i).unscale_mut(spread);
                 self.r[first + i] /= spread;
                 self.unwhiten[k].column_mut(i).scale_mut(spread);

@@ -33,8 +33,12 @@ impl Machine {
             .with_values(&found.values, plain.home())
             .map_err(|cause| FileError::Geometry { path: self.path.clone(), cause })?;
         let sigma = |effect: &ActiveEffect| -> Vec<f64> {
-            let is_it =
-                |c: &&Cause| c.effect == effect.effect.name() && c.leg == effect.at.leg && c.row == effect.at.row;
+            let is_it = |c: &&Cause| {
+                c.effect == effect.effect.name()
+                    && c.leg == effect.at.leg
+                    && c.row == effect.at.row
+                    && c.of == effect.at.covariate
+            };
             let cause = found.causes.iter().find(is_it);
             let of = |c: &Cause| c.parameters.iter().map(|p| p.sigma.unwrap_or(f64::NAN)).collect();
             cause.map(of).unwrap_or_default()

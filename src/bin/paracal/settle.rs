@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, anyhow};
-use paracal::diagnosis::{Plan, Question, Verdict, diagnose, settle};
+use anyhow::{Result, anyhow, bail};
+use paracal::diagnosis::{DiagnoseError, Plan, Question, Verdict, diagnose, settle};
 use paracal::files::{CsvTable, Machine, Outputs, number};
 use paracal::report::{json, text};
 use paracal::units::{Dimension, Unit};
 
-use crate::common::{JointsAndPose, Ui, joints_and_poses, verdict};
+use crate::common::{JointsAndPose, Ui, about, joints_and_poses, verdict};
 
 /// Arguments of `settle`.
 #[derive(clap::Args)]
@@ -35,12 +35,22 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?.without_effects()?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
+    if args.noise_known && !measurement.data.noise.known {
+        bail!("--noise-known: {} states no [noise], and the data no sigma columns", args.mechanism.display());
+    }
     let question = Question { noise_known: args.noise_known, ..Question::of(&machine, &measurement.as_read) };
     let progress = ui.progress("looking for measurements that settle".into());
-    let named = |error| anyhow::Error::new(error).context(args.data.display().to_string());
+    let named = |error| match error {
+        DiagnoseError::Identify(cause) => about(cause, &machine, &args.data, &measurement.data),
+        other => anyhow::Error::new(other).context(args.data.display().to_string()),
+    };
     let found = diagnose(&question).map_err(named)?;
     let plans = settle(&question, &found).map_err(named)?;
     progress.finish_and_clear();
+    found.warnings.iter().for_each(|w| ui.warn(w));
+    if let Some(misread) = &found.misread {
+        ui.warn(&format!("the data were misread ({}): {}", misread.reading, misread.detail));
+    }
     if let (Some(path), Some(best)) = (&args.output, plans.first().filter(|p| !p.samples.is_empty())) {
         outputs.add(path, plan_table(&machine, best)?.to_text())?;
         outputs.write()?;

@@ -6,7 +6,7 @@
 
 use nalgebra::{Vector3, Vector6};
 
-use super::{describe, unrecorded};
+use super::{describe, move_frame, unrecorded};
 use crate::effect::{Acts, Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site};
 use crate::mechanism::Body;
 use crate::units::Dimension;
@@ -151,10 +151,7 @@ impl Effect for SagFrame {
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let Some(gravity) = site.conditions.gravity else { return };
-        let turn = Vector3::z().cross(&gravity) * theta[1];
-        // About the origin of the base.
-        let shift = gravity * theta[0] + turn.cross(&site.pose.position);
-        out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
+        move_frame(gravity * theta[0], Vector3::z().cross(&gravity) * theta[1], site, out);
     }
 }
 

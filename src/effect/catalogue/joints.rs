@@ -4,14 +4,14 @@
 //! square of its angle. A pivot shift is absorbed to 69 % in ±10 mm and wrong by five times the noise in twice
 //! that range.
 
-use super::{describe, per_leg};
+use super::{describe, of_legs, per_leg};
 use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
 use crate::mechanism::Body;
 use crate::pose::rotation_vector;
 use crate::units::Dimension;
 
 fn approaches(at: &ScanPoint) -> Vec<String> {
-    at.leg.map(|leg| format!("approach_leg{}", leg + 1)).into_iter().collect()
+    of_legs("approach_leg", at)
 }
 
 /// Play that shows by the direction of approach.
@@ -34,7 +34,7 @@ impl Effect for Backlash {
     }
 
     fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        per_leg(setting, "play", setting.mechanism.joints()[0].dimension, 5e-6)
+        per_leg(setting, "play", Dimension::Length, 5e-6)
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {

@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{describe, per_leg};
+use super::{describe, of_legs, per_leg};
 use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site};
 use crate::units::Dimension;
 
@@ -17,7 +17,7 @@ fn needs_legs(setting: &Setting<'_>) -> Vec<String> {
 }
 
 fn own_length(at: &ScanPoint) -> Vec<String> {
-    at.leg.map(|leg| format!("length_leg{}", leg + 1)).into_iter().collect()
+    of_legs("length_leg", at)
 }
 
 /// All joints move by a common factor too far.

@@ -45,6 +45,8 @@ pub use thermal::{
 };
 pub use time::{DriftFrame, DriftLeg, StepFrame, StepLeg};
 
+use nalgebra::{Vector3, Vector6};
+
 use super::Effect;
 
 /// All effects, simpler ones first.
@@ -98,6 +100,25 @@ macro_rules! describe {
 }
 use describe;
 
+/// A small rigid motion `(shift, turn)` of the frame of the instrument about the origin of the base, as the motion of the
+/// platform that is seen. In pose space, whose positions count from anywhere, turns have no arm.
+fn move_frame(shift: Vector3<f64>, turn: Vector3<f64>, site: &super::Site<'_>, out: &mut super::Perturbation) {
+    let arm = if site.setting.is_pose_space() { Vector3::zeros() } else { site.pose.position };
+    let shift = shift + turn.cross(&arm);
+    out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
+}
+
+/// Covariates of a stem for every leg that there may be.
+fn of_legs(stem: &str, at: &super::ScanPoint) -> Vec<String> {
+    match at.leg {
+        Some(leg) => vec![format!("{stem}{}", leg + 1)],
+        None => (1..=MOST_LEGS).map(|leg| format!("{stem}{leg}")).collect(),
+    }
+}
+
+/// More legs than any machine has.
+const MOST_LEGS: usize = 12;
+
 /// The columns of a list that were not recorded.
 fn unrecorded(recorded: &super::Recorded, columns: &[&str]) -> Vec<String> {
     columns.iter().filter(|c| !recorded.has(c)).map(|c| (*c).to_owned()).collect()
@@ -110,5 +131,12 @@ fn per_leg(
     dimension: crate::units::Dimension,
     scale: f64,
 ) -> Vec<super::EffectParameter> {
-    (1..=setting.joints()).map(|leg| super::EffectParameter::new(format!("{stem}{leg}"), dimension, scale)).collect()
+    let joints = setting.mechanism.joints();
+    // A length means the coordinate of the joint, which may be an angle.
+    let of = |leg: usize| match dimension {
+        crate::units::Dimension::Length => joints[leg].dimension,
+        other => other,
+    };
+    let parameter = |leg: usize| super::EffectParameter::new(format!("{stem}{}", leg + 1), of(leg), scale);
+    (0..joints.len()).map(parameter).collect()
 }

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::{describe, unrecorded};
+use super::{describe, of_legs, unrecorded};
 use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
 use crate::mechanism::Body;
 use crate::units::Dimension;
@@ -83,8 +83,8 @@ impl Effect for ThermalLegsIndividual {
         expansion()
     }
 
-    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        vec!["temp_legs".into()]
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        of_legs("temp_leg", at)
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
@@ -224,11 +224,15 @@ impl ThermalGradient {
         if known.len() < 3 {
             return None;
         }
-        let rows = DMatrix::from_fn(known.len(), 4, |i, k| if k == 0 { 1.0 } else { known[i].0[k - 1] });
-        let values = DVector::from_iterator(known.len(), known.iter().map(|(_, t)| *t));
+        let n = known.len() as f64;
+        let centre = known.iter().map(|(p, _)| p).sum::<Vector3<f64>>() / n;
+        let mean = known.iter().map(|(_, t)| t).sum::<f64>() / n;
+        let rows = DMatrix::from_fn(known.len(), 3, |i, k| known[i].0[k] - centre[k]);
+        let values = DVector::from_iterator(known.len(), known.iter().map(|(_, t)| t - mean));
         // Sensors in one plane leave the gradient across it at zero.
         let found = rows.svd(true, true).solve(&values, 1e-9).ok()?;
-        Some((found[0], Vector3::new(found[1], found[2], found[3])))
+        let gradient = Vector3::new(found[0], found[1], found[2]);
+        Some((mean - gradient.dot(&centre), gradient))
     }
 }
 

@@ -4,9 +4,9 @@
 //! one leg by 5 to 500 µm. Drifts are per run, 0 at its first row and 1 at its last. They describe the run and predict
 //! nothing: neither is carried on by compensation. Confused with temperatures that rise through the run.
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector3;
 
-use super::describe;
+use super::{describe, move_frame};
 use crate::effect::{Acts, Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
 use crate::units::Dimension;
 
@@ -22,13 +22,10 @@ fn rigid() -> Vec<EffectParameter> {
     ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
 }
 
-/// A rigid motion of the frame about the origin of the base. In pose space, whose positions count from anywhere, turns have
-/// no arm.
-fn move_frame(theta: &[f64], part: f64, site: &Site<'_>, out: &mut Perturbation) {
-    let turn = Vector3::new(theta[3], theta[4], theta[5]) * part;
-    let arm = if site.setting.is_pose_space() { Vector3::zeros() } else { site.pose.position };
-    let shift = Vector3::new(theta[0], theta[1], theta[2]) * part + turn.cross(&arm);
-    out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
+/// A part of a rigid motion with these six values.
+fn move_part(theta: &[f64], part: f64, site: &Site<'_>, out: &mut Perturbation) {
+    let shift = Vector3::new(theta[0], theta[1], theta[2]) * part;
+    move_frame(shift, Vector3::new(theta[3], theta[4], theta[5]) * part, site, out);
 }
 
 /// True from the row of the scan on.
@@ -70,7 +67,7 @@ impl Effect for DriftFrame {
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         if let Some(run) = &site.conditions.run {
-            move_frame(theta, run.part, site, out);
+            move_part(theta, run.part, site, out);
         }
     }
 }
@@ -146,7 +143,7 @@ impl Effect for StepFrame {
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         if after(at, site) {
-            move_frame(theta, 1.0, site, out);
+            move_part(theta, 1.0, site, out);
         }
     }
 }

@@ -165,21 +165,13 @@ fn errors_text(d: &Diagnosis) -> String {
     }
     rows.push(errors_row("stated noise", &summary(g.noise_floor_position, g.noise_floor_rotation)));
     let mut text = table(&["rms of vector lengths", "position", "rotation"], &rows);
-    if let (true, Some(before), Some(after), Some(_)) =
-        (named, g.position_before, g.position_after, g.noise_floor_position)
-    {
-        // The floor of these data and not the stated one: the noise may be larger than stated.
-        let floor = d.after.position.unwrap_or(0.0).min(after);
-        let removable = before * before - floor * floor;
-        if removable > 0.0 {
-            let part = 100.0 * (before * before - after * after) / removable;
-            text += &format!(
-                "the causes take away {} of position and {} of rotation on rows that were not fitted: {part:.0} % of the \
-                 variance above the noise\n",
-                show_length(before - after),
-                g.rotation_before.zip(g.rotation_after).map_or_else(|| "-".into(), |(b, a)| show_angle(b - a)),
-            );
-        }
+    if let (true, Some(before), Some(after)) = (named, g.position_before, g.position_after) {
+        let turned = g.rotation_before.zip(g.rotation_after);
+        let turned = turned.map_or_else(String::new, |(b, a)| format!(" and {} of rotation", show_angle(b - a)));
+        text += &format!(
+            "on rows that were not fitted the causes take away {} of position{turned}\n",
+            show_length(before - after)
+        );
     }
     text
 }
