@@ -229,11 +229,11 @@ fn references_that_no_file_states_are_the_means_of_the_data() {
     };
     assert_eq!(shift(&machine, 30.0), 0.0);
     let said = machine.refer_to([hot(20.0), hot(24.0)].iter(), "d.csv");
-    assert!(said[0].contains("temp_legs") && said[0].contains("mean in d.csv, 22.000 degC"), "{said:?}");
+    assert!(said.as_ref().is_some_and(|s| s.ends_with("the means of d.csv: temp_legs 22.000 degC")), "{said:?}");
     assert!(shift(&machine, 22.0).abs() < 1e-15 && shift(&machine, 23.0) > 5e-6);
-    assert!(machine.refer_to([hot(50.0)].iter(), "d.csv").is_empty());
+    assert!(machine.refer_to([hot(50.0)].iter(), "d.csv").is_none());
     let mut stated = read(&hexapod(REFERENCE, entry));
-    assert!(stated.refer_to([hot(50.0)].iter(), "d.csv").is_empty());
+    assert!(stated.refer_to([hot(50.0)].iter(), "d.csv").is_none());
 }
 
 #[test]

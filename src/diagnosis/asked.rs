@@ -40,6 +40,17 @@ impl Asked {
         pairs.fold((0.0, 0), |(gain, rank), (a, v)| (gain + a * a / v, rank + 1))
     }
 
+    /// The values that the block would take; directions that the data do not see stay at zero.
+    pub(super) fn values(&self) -> Vec<f64> {
+        let (eigen, scale) = self.normalized();
+        let mut values = DVector::zeros(scale.len());
+        let along = eigen.eigenvectors.tr_mul(&self.c.component_div(&scale));
+        for (k, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, v)| **v > ABSORBED) {
+            values.axpy(-along[k] / value, &eigen.eigenvectors.column(k), 1.0);
+        }
+        values.component_div(&scale).iter().copied().collect()
+    }
+
     fn normalized(&self) -> (SymmetricEigen<f64, Dyn>, DVector<f64>) {
         let scale = self.raw.map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
         let mut s = self.s.clone();

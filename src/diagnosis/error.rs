@@ -10,8 +10,8 @@ use crate::mechanism::GeometryError;
 pub enum DiagnoseError {
     /// The data leave nothing to look at after the kinematic parameters.
     #[error(
-        "{samples} samples give {rows} rows, which leaves {free:.0} degrees of freedom after the parameters; at least \
-         {needed} are needed to look for causes: measure more poses"
+        "{samples} samples give {rows} equations, which leaves {free:.0} degrees of freedom after the parameters; at least \
+         {needed} are needed to look for causes: measure more poses, and different ones"
     )]
     TooFewRows {
         /// Samples.

@@ -51,6 +51,18 @@ pub(super) fn findings(
             withdrawn = true;
         }
     }
+    if unknown.is_none() && patchwork(subject, &explored.names) {
+        // Jumps and drifts stacked on each other describe anything that changes with time.
+        unknown = Some(Unknown {
+            covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
+            leg: None,
+            test: "patchwork",
+            p_value: causes.iter().map(|c| c.p_value).fold(0.0, f64::max),
+            period: None,
+            runner_up: None,
+            withdrawn: Vec::new(),
+        });
+    }
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
     let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
     let verdict = match (&unknown, causes.is_empty()) {
@@ -79,7 +91,8 @@ pub(super) fn findings(
                 .into(),
         );
     }
-    if let Some([position, rotation]) = subject.kind_spreads {
+    // What no name explains changes the ratio too.
+    if let (Some([position, rotation]), None) = (subject.kind_spreads, &unknown) {
         warnings.push(format!(
             "the ratio of position noise to rotation noise is {} times the stated one; rows count by the noise that they have",
             three_digits(position / rotation)
@@ -117,6 +130,17 @@ pub(super) fn findings(
 fn is_rounding(explored: &Explored, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
     let of = |m: &Model<'_>| explored.table.spreads_of(&m.residual, &explored.left_out);
     joint.is_some_and(|k| of(model)[k] < ROUNDING * of(without)[k])
+}
+
+/// True if one effect that acts from a row on is named twice, or three names are about time.
+fn patchwork(subject: &Subject<'_>, names: &[Candidate]) -> bool {
+    let group = |name: &Candidate| &subject.groups[name.group];
+    let twice = |(k, name): (usize, &Candidate)| {
+        name.from.is_some() && names[..k].iter().any(|other| other.group == name.group)
+    };
+    let about_time =
+        |name: &&Candidate| group(name).effect.covariates(&group(name).places[name.place].at).contains(&"time".into());
+    names.iter().enumerate().any(twice) || names.iter().filter(about_time).count() >= 3
 }
 
 /// What it costs, in nats, to choose the places of names.
@@ -219,6 +243,7 @@ fn rivals(
                 leg: at.leg,
                 row: at.row,
                 of: at.covariate,
+                values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
                 behind,
                 separability,
             });

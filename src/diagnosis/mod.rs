@@ -50,6 +50,7 @@ mod statistics;
 mod subject;
 mod table;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 pub use design::{detection_limits, planned};
@@ -65,6 +66,7 @@ use crate::identification::{ErrorSummary, Prior, register};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
+use crate::units::shortened;
 use explore::Explorer;
 use subject::Subject;
 
@@ -101,7 +103,8 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     if let Some(misread) = preflight::preflight(mechanism, data, convention, &prior) {
         return Ok(misread_file(data, misread));
     }
-    let registration = register(mechanism, data)?;
+    let (data, gaps) = complete_rows(data);
+    let registration = register(mechanism, &data)?;
     let data = data.with_frames(registration.frames);
     let surroundings = Arc::new(question.surroundings.with_references_of(&data));
     let (mut subject, missing) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
@@ -123,7 +126,33 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         subject.sample_spreads = spreads;
         explored = Explorer { subject: &subject, known }.explore_with_care()?;
     }
-    findings::findings(question, &subject, &explored, missing, &registration, noise)
+    let mut found = findings::findings(question, &subject, &explored, missing, &registration, noise)?;
+    found.warnings.extend(gaps);
+    Ok(found)
+}
+
+/// Part of the rows that must have a covariate for rows without it to be left out, rather than the covariate.
+const MOST: f64 = 0.8;
+
+/// The samples that have every covariate that most have, and what to say of the others. A covariate with gaps would else
+/// be none, and its effects would go to their relatives.
+fn complete_rows(data: &Dataset) -> (Dataset, Vec<String>) {
+    let n = data.len();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in data.iter().flat_map(|s| s.conditions.covariates.keys()) {
+        *counts.entry(name).or_default() += 1;
+    }
+    let nearly: Vec<&str> =
+        counts.iter().filter(|(_, c)| **c < n && **c as f64 >= MOST * n as f64).map(|(name, _)| *name).collect();
+    let whole = |k: &usize| nearly.iter().all(|name| data.sample(*k).conditions.get(name).is_some());
+    let (kept, gaps): (Vec<usize>, Vec<usize>) = (0..n).partition(whole);
+    if gaps.is_empty() || (kept.len() as f64) < MOST * n as f64 {
+        let warning = format!("{} have empty cells; what depends on them is not looked for", nearly.join(", "));
+        return (data.clone(), if nearly.is_empty() { Vec::new() } else { vec![warning] });
+    }
+    let rows: Vec<String> = gaps.iter().map(|k| data.sample(*k).row.to_string()).collect();
+    let warning = format!("data rows {} are left out: {} has empty cells there", shortened(&rows), nearly.join(", "));
+    (data.subset(&kept), vec![warning])
 }
 
 fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {

@@ -11,13 +11,15 @@ use super::result::Misread;
 use crate::conditions::Conditions;
 use crate::identification::{Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
-use crate::mechanism::{Linearization, Mechanism};
+use crate::mechanism::{Linearization, Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention, rotation_vector};
 
 /// A reading must make the misfit this many times smaller.
 const BETTER: f64 = 2.0;
 /// A row this many medians away counts for less.
 const FAR: f64 = 4.0;
+/// Misfit over the spread of the measured poses that a reading may leave.
+const EXPLAINED: f64 = 0.05;
 /// Measured and commanded spread may differ by this factor where a reading makes numbers smaller.
 const SPREAD: f64 = 3.0;
 /// Rows that the first look takes.
@@ -62,7 +64,7 @@ pub(super) fn preflight(
         sure = found
             .into_iter()
             .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, STEPS[1], *way)?)))
-            .filter(|(_, misfit)| misfit * BETTER < at_last)
+            .filter(|(reading, misfit)| misfit * BETTER < at_last && trial.explains(reading, *misfit))
             .collect();
         if !sure.is_empty() {
             break;
@@ -136,6 +138,14 @@ impl<'a> Trial<'a> {
         let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
         let weights = Vector6::new(p, p, p, r, r, r);
         Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
+    }
+
+    /// True if a misfit is a small part of what was measured: of garbage some reading is always the best.
+    fn explains(&self, reading: &Reading, misfit: f64) -> bool {
+        let all = 0..self.table.poses.len();
+        let poses: Vec<Pose> = all.filter_map(|k| Some(reading.row(&self.table, &self.home, k)?.1)).collect();
+        let moved = spread_of(&poses, false).max(spread_of(&poses, true) * characteristic_length(self.mechanism));
+        misfit / self.weights[0] < EXPLAINED * moved
     }
 
     /// False for a reading that makes numbers smaller which the commands do not ask for: it would fit by hiding their noise.

@@ -33,8 +33,8 @@ pub(super) enum Reading {
     Swapped(usize, usize),
     /// Columns of legs in another order: leg `i` stands in column `order[i]`.
     LegOrder(Vec<usize>),
-    /// Legs count their extension the other way.
-    LegSign,
+    /// All legs count their extension the other way, or one of them.
+    LegSign(Option<usize>),
     /// Each pose belongs to the joints of another row.
     RowShift(isize),
 }
@@ -53,7 +53,7 @@ impl Reading {
             Self::LengthUnit(..) => "length-unit",
             Self::Swapped(..) => "axes-swapped",
             Self::LegOrder(_) => "leg-order",
-            Self::LegSign => "leg-sign",
+            Self::LegSign(_) => "leg-sign",
             Self::RowShift(_) => "row-shift",
         }
     }
@@ -74,7 +74,8 @@ impl Reading {
                 let columns: Vec<String> = order.iter().map(|k| (k + 1).to_string()).collect();
                 format!("legs 1 to {} stand in the columns of legs {}", order.len(), columns.join(", "))
             }
-            Self::LegSign => "the legs count their extension the other way".into(),
+            Self::LegSign(None) => "the legs count their extension the other way".into(),
+            Self::LegSign(Some(leg)) => format!("leg {} counts its extension the other way", leg + 1),
             Self::RowShift(by) if *by > 0 => "each pose stands one row below its joints".into(),
             Self::RowShift(_) => "each pose stands one row above its joints".into(),
         }
@@ -107,7 +108,8 @@ impl Reading {
             ]);
         }
         all.extend([(0, 1), (0, 2), (1, 2), (3, 4), (3, 5), (4, 5)].map(|(a, b)| Self::Swapped(a, b)));
-        all.extend([Self::LegSign, Self::RowShift(1), Self::RowShift(-1)]);
+        all.extend([Self::LegSign(None), Self::RowShift(1), Self::RowShift(-1)]);
+        all.extend((0..mechanism.joints().len()).map(|leg| Self::LegSign(Some(leg))));
         all
     }
 
@@ -139,7 +141,8 @@ impl Reading {
             Self::LengthUnit(_, factor, true) => joints.iter_mut().for_each(|v| *v *= factor),
             Self::Swapped(a, b) => q.swap(*a, *b),
             Self::LegOrder(order) => joints = order.iter().map(|k| table.joints[row][*k]).collect(),
-            Self::LegSign => joints.iter_mut().zip(home).for_each(|(v, h)| *v = 2.0 * h - *v),
+            Self::LegSign(None) => joints.iter_mut().zip(home).for_each(|(v, h)| *v = 2.0 * h - *v),
+            Self::LegSign(Some(leg)) => joints[*leg] = 2.0 * home[*leg] - joints[*leg],
             Self::RowShift(by) => {
                 let partner = row.checked_add_signed(*by).filter(|k| *k < table.poses.len())?;
                 q = table.poses[partner];

@@ -60,6 +60,8 @@ pub struct Rival {
     pub row: Option<usize>,
     /// Covariate or place of its scan.
     pub of: Option<String>,
+    /// Values that its parameters would have, SI.
+    pub values: Vec<f64>,
     /// How much less evidence it has, nats; below zero if it has more.
     pub behind: f64,
     /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.

@@ -108,17 +108,35 @@ fn separations(
     for cause in tied {
         let others = found.causes.iter().filter(|c| !std::ptr::eq(*c, *cause)).filter_map(named).collect();
         let model = model_of(&subject, &table, others)?;
-        let values: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
-        for rival in &cause.tied_with {
-            let other = candidate(&subject, &rival.effect, rival.leg, rival.row, rival.of.as_ref());
-            // What a plan cannot see it cannot tell apart.
-            let separability = named(cause).zip(other).map_or(0.0, |(named, other)| {
-                separability(&model, &subject.groups, &named, &values, &other, model.noise.variance())
-            });
-            separations.push(Separation { effect: cause.effect.clone(), rival: rival.effect.clone(), separability });
+        // The name and its rivals: any of them may be the truth, so that every pair must be told apart.
+        let own: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
+        let mut all = vec![(&cause.effect, named(cause), own)];
+        for r in &cause.tied_with {
+            all.push((&r.effect, candidate(&subject, &r.effect, r.leg, r.row, r.of.as_ref()), r.values.clone()));
+        }
+        for (k, (name, one, of_one)) in all.iter().enumerate() {
+            for (rival, other, of_other) in &all[k + 1..] {
+                // What a plan cannot see it cannot tell apart.
+                let separability = one.as_ref().zip(other.as_ref()).map_or(0.0, |(one, other)| {
+                    let apart = |a, values: &[f64], b| {
+                        separability(&model, &subject.groups, a, values, b, model.noise.variance())
+                    };
+                    // A special case cannot be imitated by less, and is imitated by the richer name: the larger of the two.
+                    let (there, back) = (apart(one, of_one, other), apart(other, of_other, one));
+                    if related(&subject, one, other) { there.max(back) } else { there.min(back) }
+                });
+                separations.push(Separation { effect: (*name).clone(), rival: (*rival).clone(), separability });
+            }
         }
     }
     Ok(separations)
+}
+
+/// True if one of two effects is a special case of the other.
+fn related(subject: &Subject<'_>, one: &Candidate, other: &Candidate) -> bool {
+    let effect = |c: &Candidate| &subject.groups[c.group].effect;
+    let (a, b) = (effect(one), effect(other));
+    a.special_case_of().contains(&b.name()) || b.special_case_of().contains(&a.name())
 }
 
 /// The coordinates that a planned sample measures: positions alone where the data have no angles.
@@ -218,6 +236,25 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
         let own = format!("temp_leg{}", leg + 1);
         if temperatures.contains(&own) {
             all.push((format!("{ADDED} poses with leg {} alone heated by 3 K", leg + 1), heated(&[&own], 3.0)));
+        }
+        // One thing after the other settles what no single one does.
+        let bodies: Vec<Vec<&String>> = ["temp_platform", "temp_base"]
+            .iter()
+            .filter_map(|name| temperatures.iter().find(|t| *t == name).map(|t| vec![t]))
+            .chain((!legs.is_empty()).then(|| legs.clone()))
+            .chain(temperatures.iter().find(|t| **t == own).map(|t| vec![t]))
+            .collect();
+        if bodies.len() > 1 {
+            let in_turn = plan(&|k, c| {
+                for name in &bodies[k % bodies.len()] {
+                    if let Some(t) = c.covariates.get_mut(*name) {
+                        *t += 3.0;
+                    }
+                }
+            });
+            let what =
+                "platform, base, all legs and one leg, those of them that have sensors, each alone heated by 3 K";
+            all.push((format!("{ADDED} poses with {what}, in turn"), in_turn));
         }
         for (name, part) in [("temp_platform", "platform"), ("temp_base", "base")] {
             let name = name.to_owned();

@@ -189,8 +189,8 @@ impl Machine {
     }
 
     /// Takes the means of temperatures of these states for the references that the file does not state but an effect
-    /// needs. Says so, one sentence each; `list` is what the states are called.
-    pub fn refer_to<'a>(&mut self, states: impl Iterator<Item = &'a Conditions>, list: &str) -> Vec<String> {
+    /// needs, and says so; `list` is what the states are called.
+    pub fn refer_to<'a>(&mut self, states: impl Iterator<Item = &'a Conditions>, list: &str) -> Option<String> {
         let effects = self.effects();
         let mut wanted: Vec<String> = {
             let setting = Setting::new(self.plain(), &self.surroundings);
@@ -200,16 +200,14 @@ impl Machine {
         wanted.sort();
         wanted.dedup();
         if wanted.is_empty() {
-            return Vec::new();
+            return None;
         }
         let means = self.surroundings.with_references_among(states).references;
         let mut surroundings = Surroundings::clone(&self.surroundings);
         let mut said = Vec::new();
         for name in wanted {
             if let Some(mean) = means.get(&name) {
-                said.push(format!(
-                    "no reference temperature is stated for {name}; effects take its mean in {list}, {mean:.3} degC"
-                ));
+                said.push(format!("{name} {mean:.3} degC"));
                 surroundings.references.insert(name, *mean);
             }
         }
@@ -222,7 +220,9 @@ impl Machine {
                 self.mechanism = Box::new(Extended::new(inner, Arc::clone(&self.surroundings), moving));
             }
         }
-        said
+        let means = said.join(", ");
+        let message = "reference temperatures that the mechanism file does not state are the means";
+        (!said.is_empty()).then(|| format!("{message} of {list}: {means}"))
     }
 
     /// The file for another state of the mechanism without effects, and with these effects: what [`Self::document_of`]

@@ -95,15 +95,17 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
     let steps: &[Free] = if target == TargetFrame::Known { &[Free::Base] } else { &[Free::Target, Free::Both] };
     let mut best: Option<(f64, Frames)> = None;
     for free in steps {
-        for start in starts(&pairs, *free) {
+        let found = starts(&pairs, *free).into_iter().map(|start| {
             let frames = refine(&pairs, start, size, *free);
-            let after = misfit(&pairs, &frames, size);
-            if best.as_ref().is_none_or(|(least, _)| after < *least) {
-                best = Some((after, frames));
-            }
-        }
-        if best.as_ref().is_some_and(|(least, _)| *least <= near) {
-            break;
+            (misfit(&pairs, &frames, size), frames)
+        });
+        let found = found.min_by(|a, b| a.0.total_cmp(&b.0));
+        // In a small workspace a target alone takes up any frame but for the small moves, so that being near says nothing;
+        // more freedom must pay.
+        let pays =
+            |after: f64| best.as_ref().is_none_or(|(least, _)| after < PAYS * least || *least > near && after < *least);
+        if let Some(found) = found.filter(|(after, _)| pays(*after)) {
+            best = Some(found);
         }
     }
     match best {
@@ -117,6 +119,9 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         _ => Ok(unregistered(before)),
     }
 }
+
+/// A tracker elsewhere is believed beside a target elsewhere if it leaves at most this part.
+const PAYS: f64 = 0.2;
 
 /// False for a positioner in pose space, which cannot be carried into other frames or mounted in them: its offsets take up a
 /// constant difference.

@@ -88,6 +88,7 @@ fn verdict(d: &Diagnosis) -> String {
 fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
     let leg = at_leg(d, u.leg);
     match (&u.covariate, u.test) {
+        (Some(covariate), "patchwork") => format!(", changes with {covariate}, and the names above only trace it"),
         (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
         (None, "scatter") => format!(", scatters{leg} and depends on nothing that was recorded"),
         (None, _) => ", larger than the stated noise".into(),
