@@ -9,7 +9,7 @@ use crate::measurement::RowKind;
 /// Level at which the ratio of position to rotation is not the stated one.
 const RATIO: f64 = 1e-4;
 /// Level of the tests of all covariates together.
-const LEVEL: f64 = 1e-3;
+const LEVEL: f64 = 5e-4;
 
 /// Does the size of the residual depend on a covariate, and which σ has each sample then, relative to the middle of the
 /// range? Regression of `ln(d²)` on each, with `d²` the length squared of

@@ -70,9 +70,9 @@ pub(super) fn detection_limit(p: usize, alpha: f64) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if noncentral_upper(critical, p as f64, middle) < POWER {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
         if high - low < 1e-3 * high {
             break;
@@ -90,9 +90,9 @@ pub(super) fn upper_quantile(d: &ChiSquared, alpha: f64) -> f64 {
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
         if d.sf(middle) > alpha {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
         if high - low < 1e-9 * high {
             break;
