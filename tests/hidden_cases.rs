@@ -129,8 +129,8 @@ fn a_case_is_always_the_same_and_the_program_reads_it() {
         let machine = Machine::read(&machine).unwrap();
         assert_eq!(read_measurement(&data, &machine).unwrap().data.len(), 120);
     }
-    for number in 0..FORMS.len() {
+    for (number, form) in FORMS.iter().enumerate() {
         let case = draw(Kind::Misread, 5, number).unwrap();
-        assert_eq!(case.truth.reading.as_deref(), Some(FORMS[number].0));
+        assert_eq!(case.truth.reading.as_deref(), Some(form.0));
     }
 }
