@@ -227,14 +227,39 @@ pub fn show_angle(radians: f64) -> String {
     }
 }
 
-/// A quantity as people read it: [`show_length`], [`show_angle`], or the number with its SI unit.
+/// A quantity as people read it: [`show_length`], [`show_angle`], `0.171 ppm/K`, `0.581 nm/N`, `49.9 ppm`, or the number
+/// with its SI unit.
 pub fn show_quantity(value: f64, dimension: Dimension) -> String {
     match dimension {
         Dimension::Length => show_length(value),
         Dimension::Angle => show_angle(value),
-        Dimension::None => three_digits(value),
+        Dimension::None => show_part(value, ""),
+        Dimension::PerKelvin => show_part(value, "/K"),
+        Dimension::AnglePerKelvin => format!("{}/K", show_angle(value)),
+        Dimension::LengthPerKelvin => show_lengths_per(value, "K"),
+        Dimension::LengthPerAngle => show_lengths_per(value, "rad"),
+        Dimension::Compliance => show_lengths_per(value, "N"),
+        // The same number as in 1/m: a deviation over the square of a travel.
+        Dimension::PerLength => format!("{} um/mm2", three_digits(value)),
         _ => format!("{} {}", three_digits(value), dimension.si()),
     }
+}
+
+/// A part of a whole, in parts per million below a hundredth; `per` follows the unit.
+fn show_part(value: f64, per: &str) -> String {
+    if value != 0.0 && value.abs() < 1e-2 {
+        return format!("{} ppm{per}", three_digits(1e6 * value));
+    }
+    let unit = if per.is_empty() { String::new() } else { format!(" 1{per}") };
+    format!("{}{unit}", three_digits(value))
+}
+
+/// A length for each of something else, in the largest unit that leaves a digit before the point; nanometres at least.
+fn show_lengths_per(value: f64, of: &str) -> String {
+    const UNITS: [(f64, &str); 4] = [(1.0, "m"), (1e3, "mm"), (1e6, "um"), (1e9, "nm")];
+    let fits = |u: &&(f64, &str)| value == 0.0 || (value * u.0).abs() >= 1.0;
+    let (factor, unit) = UNITS.iter().find(fits).unwrap_or(&UNITS[3]);
+    format!("{} {unit}/{of}", three_digits(value * factor))
 }
 
 /// A number with that many decimals, and no minus before zero.
@@ -288,5 +313,28 @@ mod tests {
         assert_eq!(show_length(0.0125), "12.5 mm");
         assert_eq!((fixed(-1e-9, 3), fixed(-0.25, 1)), ("0.000".into(), "-0.2".into()));
         assert_eq!(show_angle(1e-4_f64.to_radians()), "0.360 arcsec");
+    }
+
+    #[test]
+    fn coefficients_are_shown_as_their_data_sheets_state_them() {
+        let shown = [
+            (1.71e-7, Dimension::PerKelvin, "0.171 ppm/K"),
+            (-1.17e-5, Dimension::PerKelvin, "-11.7 ppm/K"),
+            (0.25, Dimension::PerKelvin, "0.250 1/K"),
+            (0.0, Dimension::PerKelvin, "0 1/K"),
+            (4.99e-5, Dimension::None, "49.9 ppm"),
+            (0.5, Dimension::None, "0.500"),
+            (0.0, Dimension::None, "0"),
+            (5.81e-10, Dimension::Compliance, "0.581 nm/N"),
+            (-1.2e-8, Dimension::Compliance, "-12.0 nm/N"),
+            (3.5e-6, Dimension::LengthPerKelvin, "3.50 um/K"),
+            (0.0, Dimension::LengthPerKelvin, "0 m/K"),
+            (8.6e-4, Dimension::LengthPerAngle, "860 um/rad"),
+            (1e-4_f64.to_radians(), Dimension::AnglePerKelvin, "0.360 arcsec/K"),
+            (0.0098, Dimension::PerLength, "0.00980 um/mm2"),
+        ];
+        for (value, dimension, text) in shown {
+            assert_eq!(show_quantity(value, dimension), text);
+        }
     }
 }

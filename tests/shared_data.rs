@@ -1,17 +1,21 @@
 //! Checks against reference data outside the project, found through the environment variable `PARACAL_DATA`.
 //!
 //! Without it they say so and pass; the bundled copies are tested elsewhere.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 
 // The two examples with measured data; their `main` is not called here.
+#[path = "common/asked.rs"]
+mod asked;
 #[allow(dead_code, unreachable_pub)]
 #[path = "../examples/cable_robot.rs"]
 mod cable_robot;
 #[allow(dead_code, unreachable_pub)]
 #[path = "../examples/delta_printer.rs"]
 mod delta_printer;
+#[path = "shared_data/diagnosis.rs"]
+mod diagnosis;
 #[path = "common/hidden/mod.rs"]
 mod hidden;
 

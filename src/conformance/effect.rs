@@ -113,7 +113,8 @@ impl Here<'_> {
             out
         };
         let parameters = self.effect.parameters(self.setting);
-        let theta: Vec<f64> = parameters.iter().enumerate().map(|(k, p)| p.scale * (1.0 - 0.13 * k as f64)).collect();
+        let theta: Vec<f64> =
+            parameters.iter().enumerate().map(|(k, p)| 0.1 * p.scale * (1.0 - 0.13 * k as f64)).collect();
         let whole = perturb(&theta, conditions);
         let numbers = |p: &Perturbation| -> Vec<f64> {
             p.parameters.iter().chain(&p.joints).chain(p.pose.iter()).copied().collect()

@@ -18,6 +18,8 @@ use crate::units::{Dimension, three_digits};
 
 /// A size below this many limits is tentative.
 const TENTATIVE: f64 = 2.0;
+/// Residuals this many times the stated noise belong to another mechanism, or to none.
+const HOPELESS: f64 = 100.0;
 /// A value that is known to this many usual sizes only is not known.
 const UNSEEN: f64 = 1e6;
 /// Residuals that names made this much smaller are those of rounded numbers.
@@ -61,6 +63,20 @@ pub(super) fn findings(
             period: None,
             runner_up: None,
             withdrawn: Vec::new(),
+        });
+    }
+    if subject.data.noise.known && is_hopeless(subject, explored, if withdrawn { &without } else { &model }) {
+        let names = causes.drain(..).map(|c| c.effect).collect();
+        effects.clear();
+        withdrawn = true;
+        unknown = Some(Unknown {
+            covariate: None,
+            leg: None,
+            test: "misfit",
+            p_value: 0.0,
+            period: None,
+            runner_up: None,
+            withdrawn: names,
         });
     }
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
@@ -114,7 +130,7 @@ pub(super) fn findings(
         not_testable,
         before: rms(&explored.table, &without.residual, &kept),
         after: rms(&explored.table, &judged.residual, &kept),
-        noise_scale: judged.noise.variance().sqrt(),
+        noise_scale: judged.noise.variance().sqrt() * subject.kind_spreads.map_or(1.0, |[p, r]| (p * r).sqrt()),
         samples: subject.data.len(),
         joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
         values,
@@ -130,6 +146,15 @@ pub(super) fn findings(
 fn is_rounding(explored: &Explored, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
     let of = |m: &Model<'_>| explored.table.spreads_of(&m.residual, &explored.left_out);
     joint.is_some_and(|k| of(model)[k] < ROUNDING * of(without)[k])
+}
+
+/// True if what is left is far above the stated noise.
+fn is_hopeless(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> bool {
+    let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
+    let left = rms(&explored.table, &model.residual, &kept);
+    let noise = &subject.data.noise;
+    let above = |rms: Option<f64>, sigma: f64| rms.is_some_and(|v| v > HOPELESS * 3.0_f64.sqrt() * sigma);
+    above(left.position, noise.position) || above(left.rotation, noise.rotation)
 }
 
 /// True if one effect that acts from a row on is named twice, or three names are about time.

@@ -254,8 +254,11 @@ pub(super) fn rival(
     let mut all = smooths(without, covariates);
     // Steps in time have names.
     all.extend(jumps(without, covariates).into_iter().filter(|f| f.covariate != "time" && f.covariate != "row"));
+    let tests = all.len();
     let best = all.into_iter().max_by(|a, b| a.worth.total_cmp(&b.worth))?;
-    (best.worth > worth_of_names + margin).then(|| Unknown {
+    // What is not significant by itself withdraws nothing.
+    let significant = best.p_value * (tests as f64) < SMOOTH;
+    (significant && best.worth > worth_of_names + margin).then(|| Unknown {
         covariate: Some(best.covariate),
         leg: Some(best.leg),
         test: best.test,

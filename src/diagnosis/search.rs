@@ -13,6 +13,8 @@ use super::table::Table;
 pub(super) const LEVEL: f64 = 0.004;
 /// Rivals within this many nats are ties: a factor of 20.
 pub(super) const TIED: f64 = 2.995_732_273_553_991;
+/// Evidence, nats, that a further name needs.
+const SECOND: f64 = 3.0;
 /// Most names in one answer.
 const MOST: usize = 4;
 /// Rounds of removing and swapping after each addition.
@@ -104,7 +106,9 @@ impl<'a> Search<'a> {
         }
         let scores = scores(model, self.groups);
         let tests = scores.iter().filter(|s| s.rank > 0).count().max(1);
-        let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > 0.0);
+        // Beside a large effect, what is not linear in it looks like a small one.
+        let worth = if model.candidates.is_empty() { 0.0 } else { SECOND };
+        let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > worth);
         detected.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 

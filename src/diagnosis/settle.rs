@@ -235,7 +235,7 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
         }
         let own = format!("temp_leg{}", leg + 1);
         if temperatures.contains(&own) {
-            all.push((format!("{ADDED} poses with leg {} alone heated by 3 K", leg + 1), heated(&[&own], 3.0)));
+            all.push((format!("{ADDED} poses with leg {} alone heated by 5 K", leg + 1), heated(&[&own], 5.0)));
         }
         // One thing after the other settles what no single one does.
         let bodies: Vec<Vec<&String>> = ["temp_platform", "temp_base"]
@@ -248,7 +248,7 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
             let in_turn = plan(&|k, c| {
                 for name in &bodies[k % bodies.len()] {
                     if let Some(t) = c.covariates.get_mut(*name) {
-                        *t += 3.0;
+                        *t += 5.0;
                     }
                 }
             });

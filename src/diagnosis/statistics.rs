@@ -36,15 +36,14 @@ impl Noise {
             return 1.0;
         }
         let p = p as f64;
-        if self.known {
-            return ChiSquared::new(p).map_or(1.0, |d| d.sf(gain));
-        }
+        let stated = if self.known { ChiSquared::new(p).map_or(1.0, |d| d.sf(gain)) } else { 0.0 };
         let rest = self.dof - p;
         if rest < 1.0 {
             return 1.0;
         }
-        let f = (gain / p) / self.variance_after(gain, p);
-        upper_f(f, p, rest)
+        // Noise that is larger than stated explains everything by chance; a name must stand against what is really left.
+        let left = Self { known: false, ..*self }.variance_after(gain, p);
+        upper_f((gain / p) / left, p, rest).max(stated)
     }
 }
 

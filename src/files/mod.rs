@@ -2,7 +2,7 @@
 //!
 //! * [`Machine`] is a mechanism file: the mechanism, and what else is known about it (workspace, noise,
 //!   targets). Units are named in the file; everything is SI once it is read.
-//! * [`read_measurement`] and [`read_poses`] read CSV whose column names carry the unit.
+//! * [`read_measurement`], [`read_poses`] and [`read_conditions`] read CSV whose column names carry the unit.
 //! * [`Outputs`] writes files whole or not at all.
 //!
 //! Errors name the file, the place in it, the value and what to do ([`FileError`]).
@@ -19,6 +19,7 @@ mod measurement_file;
 mod mechanism_reader;
 mod outputs;
 mod plane;
+mod planned;
 mod pose_file;
 mod positioner;
 mod questions;
@@ -40,6 +41,7 @@ pub use machine::Machine;
 pub use measurement_file::{Measurement, read_measurement};
 pub use outputs::Outputs;
 pub use plane::PlaneSection;
+pub use planned::{PlannedConditions, read_conditions};
 pub use pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
 pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
 pub use writer::{CsvTable, number};

@@ -28,6 +28,8 @@ const LENGTH_ERROR: f64 = 1e-3;
 /// A clock without date that goes back by more than this, s, has passed midnight.
 const BACK: f64 = 3600.0;
 const DAY: f64 = 86_400.0;
+/// °C.
+const ABSOLUTE_ZERO: f64 = -273.15;
 
 impl States {
     /// Reads the states.
@@ -50,6 +52,13 @@ impl States {
                 match &column.meaning {
                     Meaning::Covariate(name) if !ignored.contains(&k) => {
                         let Some(value) = table.number(row, k)? else { continue };
+                        if name.starts_with("temp_") && value < ABSOLUTE_ZERO {
+                            return Err(table.cell_error(
+                                row,
+                                k,
+                                "is below absolute zero; check the cell and the unit",
+                            ));
+                        }
                         match gravity.elevation == Some(Elevation::Zenith(k)) {
                             // So that the two mean one covariate.
                             true => state.covariates.insert("elevation".into(), std::f64::consts::FRAC_PI_2 - value),
@@ -178,10 +187,18 @@ impl Gravity {
             }
         }
         let elevation = self.elevation.and_then(|_| state.get("elevation"));
-        Ok(elevation.map(|el| match self.axis {
-            GravityAxis::X => Vector3::new(el.cos(), 0.0, -el.sin()),
-            GravityAxis::Y => Vector3::new(0.0, el.cos(), -el.sin()),
-        }))
+        Ok(elevation.map(|el| self.axis.gravity(el)))
+    }
+}
+
+impl GravityAxis {
+    /// The direction of gravity in the base frame at an elevation.
+    pub(super) fn gravity(self, elevation: f64) -> Vector3<f64> {
+        let (sine, cosine) = elevation.sin_cos();
+        match self {
+            Self::X => Vector3::new(cosine, 0.0, -sine),
+            Self::Y => Vector3::new(0.0, cosine, -sine),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `paracal`: calibrates parallel mechanisms from the command line.
 
 mod calibrate;
+mod campaign_limits;
 mod common;
 mod compensate;
 mod convert;

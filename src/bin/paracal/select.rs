@@ -15,6 +15,7 @@ use paracal::selection::{
 };
 use paracal::units::{Dimension, parse_quantity};
 
+use crate::campaign_limits::DiagnosisArgs;
 use crate::common::{JointsAndPose, Ui, joints_and_poses};
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -67,6 +68,8 @@ pub(crate) struct Args {
     /// Choose the smallest number of poses whose calibration is predicted to be this accurate (RMS).
     #[arg(long, value_name = "LENGTH,ANGLE")]
     require: Option<String>,
+    #[command(flatten)]
+    diagnosis: DiagnosisArgs,
     /// Length of the tabu list (tabu-detmax).
     #[arg(long, value_name = "N", default_value_t = 100)]
     tabu: usize,
@@ -84,8 +87,9 @@ const TABLE: std::ops::RangeInclusive<usize> = 7..=60;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let listed = args.candidates.parse::<usize>().is_err().then(|| PathBuf::from(&args.candidates));
-    let inputs = [Some(&args.mechanism), listed.as_ref(), args.given.as_ref(), args.targets.as_ref()];
-    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
+    let lists = [&listed, &args.given, &args.targets, &args.diagnosis.conditions];
+    let inputs = std::iter::once(&args.mechanism).chain(lists.into_iter().flatten());
+    let mut outputs = Outputs::beside_inputs(inputs);
     outputs.check(&args.output)?;
     let requirement = args.require.as_deref().map(requirement).transpose()?;
     if args.n == Some(0) {
@@ -93,6 +97,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
+    let to_diagnose = args.diagnosis.campaign(&machine, ui)?;
     let mechanism = machine.mechanism.as_ref();
     let file = || args.mechanism.display().to_string();
     let workspace =
@@ -209,6 +214,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ));
     }
     let rows = commands(&machine, &report, given.len())?;
+    let limits = to_diagnose.map(|c| args.diagnosis.limits(&c, &machine, &report.poses)).transpose()?;
     let comment = format!(
         "{} poses for {}: {} = {:e} ({} scaling), {}, seed {}",
         report.poses.len(),
@@ -229,6 +235,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         given: given.len(),
         table: &table,
         requirement: requirement.as_ref(),
+        limits: limits.as_ref(),
         file: &args.output.display().to_string(),
     };
     let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();

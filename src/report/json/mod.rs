@@ -4,7 +4,7 @@ mod diagnosis;
 mod settlement;
 
 pub use diagnosis::diagnosis;
-pub use settlement::{detection_limits, settlement};
+pub use settlement::{campaign_limits, detection_limits, settlement};
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -164,7 +164,7 @@ pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
     };
     // Value after each iteration; a selector without iterations has the value of its only set.
     let trace = r.trace.get(usize::from(r.iterations > 0)..).unwrap_or(&[]);
-    json!({
+    let mut object = json!({
         "index": r.index,
         "scaling": s.scaling.name(),
         "value": real(r.value),
@@ -181,5 +181,9 @@ pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
         "prior": r.forecast.as_ref().map(|f| f.prior),
         "table": s.table.iter().map(row).collect::<Vec<_>>(),
         "seconds": seconds,
-    })
+    });
+    if let (Some(limits), Some(object)) = (s.limits, object.as_object_mut()) {
+        object.extend(campaign_limits(limits));
+    }
+    object
 }

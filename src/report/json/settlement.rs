@@ -1,9 +1,10 @@
 //! The object of `settle`, and what `select --for-diagnosis` adds.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::real;
 use crate::diagnosis::{Diagnosis, NotFound, NotTestable, Plan};
+use crate::report::text::CampaignLimits;
 
 /// The object of `settle`.
 pub fn settlement(found: &Diagnosis, plans: &[Plan]) -> Value {
@@ -35,4 +36,14 @@ pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> Value {
         .collect();
     let missing: Vec<Value> = missing.iter().map(|n| json!({ "effect": n.effect, "missing": n.missing })).collect();
     json!({ "detection_limits": limits, "not_testable": missing })
+}
+
+/// The keys of a planned campaign.
+pub fn campaign_limits(c: &CampaignLimits) -> Map<String, Value> {
+    let mut keys = Map::new();
+    keys.insert("planned_conditions".into(), json!(c.conditions));
+    if let Value::Object(limits) = detection_limits(&c.limits, &c.missing) {
+        keys.extend(limits);
+    }
+    keys
 }

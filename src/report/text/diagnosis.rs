@@ -90,6 +90,9 @@ fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
     match (&u.covariate, u.test) {
         (Some(covariate), "patchwork") => format!(", changes with {covariate}, and the names above only trace it"),
         (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
+        (None, "misfit") => {
+            ", because the data do not fit the mechanism at all: check the file and the mechanism".into()
+        }
         (None, "scatter") => format!(", scatters{leg} and depends on nothing that was recorded"),
         (None, _) => ", larger than the stated noise".into(),
     }

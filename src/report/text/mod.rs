@@ -8,7 +8,7 @@ mod settlement;
 pub use diagnosis::diagnosis;
 pub use inspection::{Inspection, inspection};
 pub use selection::{Selection, selection};
-pub use settlement::{detection_limits, settlement};
+pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settlement};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};

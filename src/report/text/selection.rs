@@ -1,5 +1,6 @@
 //! What `select` prints.
 
+use super::settlement::{CampaignLimits, campaign_limits};
 use super::table;
 use crate::observability::Scaling;
 use crate::selection::{Report, Requirement};
@@ -21,6 +22,8 @@ pub struct Selection<'a> {
     pub table: &'a [Report],
     /// What was required.
     pub requirement: Option<&'a Requirement>,
+    /// What a diagnosis of these poses would see, if that was asked.
+    pub limits: Option<&'a CampaignLimits>,
     /// Where the poses were written.
     pub file: &'a str,
 }
@@ -88,7 +91,11 @@ pub fn selection(s: &Selection<'_>) -> String {
     if s.requirement.is_some() {
         text += &format!("{} poses are the fewest found that meet the requirement\n", r.poses.len());
     }
-    text += &format!("\nMeasure the {new} poses of {}, then: paracal calibrate", s.file);
+    if let Some(limits) = s.limits {
+        text += &format!("\n{}", campaign_limits(limits));
+    }
+    let next = if s.limits.is_some() { "diagnose" } else { "calibrate" };
+    text += &format!("\nMeasure the {new} poses of {}, then: paracal {next}", s.file);
     text
 }
 

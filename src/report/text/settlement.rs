@@ -2,7 +2,8 @@
 
 use super::table;
 use crate::diagnosis::{Diagnosis, NotFound, NotTestable, Plan, TOLD_APART};
-use crate::units::{show_quantity, three_digits};
+use crate::measurement::Noise;
+use crate::units::{show_angle, show_length, show_quantity, three_digits};
 
 /// The plans, best first.
 pub fn settlement(found: &Diagnosis, plans: &[Plan], title: &str) -> String {
@@ -39,7 +40,33 @@ pub fn settlement(found: &Diagnosis, plans: &[Plan], title: &str) -> String {
     text
 }
 
-/// What a planned campaign would see.
+/// What a planned campaign would see, and of what it was planned.
+#[derive(Clone, Debug)]
+pub struct CampaignLimits {
+    /// Number of poses.
+    pub poses: usize,
+    /// 1σ of a measurement.
+    pub noise: Noise,
+    /// The conditions in words.
+    pub conditions: String,
+    /// Limits of the effects that it sees.
+    pub limits: Vec<NotFound>,
+    /// What the others miss.
+    pub missing: Vec<NotTestable>,
+}
+
+/// What a planned campaign would see, with its noise and its conditions.
+pub fn campaign_limits(c: &CampaignLimits) -> String {
+    let (position, rotation) = (show_length(c.noise.position), show_angle(c.noise.rotation));
+    format!(
+        "{} poses in this order, noise {position} and {rotation}\n{}\n{}",
+        c.poses,
+        c.conditions,
+        detection_limits(&c.limits, &c.missing)
+    )
+}
+
+/// The limits of effects, and what others miss.
 pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> String {
     let rows: Vec<Vec<String>> = limits
         .iter()
