@@ -341,10 +341,14 @@ fn the_readme_shows_what_the_program_prints() {
     let readme = common::text("README.md");
     let shown: Vec<&str> = readme.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
     let selected = print(&["select", &table5, "-n", "20", "-o", "poses.csv"]);
-    assert_eq!(shown.len(), 3);
+    let (telescope, causes) =
+        (path("mechanisms/table5-telescope.toml"), path("examples/data/hardpoint-two-causes.csv"));
+    let diagnosed = print(&["diagnose", &telescope, &causes]);
+    assert_eq!(shown.len(), 4);
     assert!(calibrated.ends_with(shown[0]), "the program prints\n{calibrated}");
     assert!(evaluated.contains(shown[1]), "the program prints\n{evaluated}");
     assert!(selected.contains(shown[2]), "the program prints\n{selected}");
+    assert!(diagnosed.contains(shown[3]), "the program prints\n{diagnosed}");
 }
 
 /// Poses of a list that the program wrote, in its units, and the header.

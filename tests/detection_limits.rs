@@ -99,7 +99,7 @@ fn seen_at_the_limit(name: &'static str, leg: Option<usize>, trials: u64) -> usi
         let run = Run::draw(120, Weather::Reference, &mut rng);
         let (limits, _) = limits_of(&run, &machine);
         let limit = limits.iter().find(|l| l.effect == name).unwrap().limit;
-        let size = if trial % 2 == 0 { limit } else { -limit };
+        let size = if trial.is_multiple_of(2) { limit } else { -limit };
         let planted = Planted { name, leg, row: None, theta: vec![size] };
         let errors: [f64; 42] = std::array::from_fn(|_| 0.5e-3 * normal(&mut rng));
         let truth = Geometry::nominal().changed(&errors);

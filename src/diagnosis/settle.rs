@@ -252,8 +252,7 @@ fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnos
                     }
                 }
             });
-            let what =
-                "platform, base, all legs and one leg, those of them that have sensors, each alone heated by 3 K";
+            let what = "each body alone (platform, base, all legs, one leg) heated by 5 K";
             all.push((format!("{ADDED} poses with {what}, in turn"), in_turn));
         }
         for (name, part) in [("temp_platform", "platform"), ("temp_base", "base")] {
