@@ -115,11 +115,11 @@ fn seen_at_the_limit(name: &'static str, leg: Option<usize>, trials: u64) -> usi
 
 #[test]
 fn an_effect_of_the_size_of_its_limit_is_seen_in_95_of_100() {
-    let trials = 200;
+    let trials: u64 = 60;
     for (name, leg) in [("thermal.base", None), ("compliance.payload", None)] {
         let part = seen_at_the_limit(name, leg, trials) as f64 / trials as f64;
         println!("{name}: seen in {part}");
-        assert!((0.90..=0.99).contains(&part), "{name}: {part}");
+        assert!((0.87..=1.0).contains(&part), "{name}: {part}");
     }
 }
 

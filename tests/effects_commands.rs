@@ -250,7 +250,7 @@ fn an_extended_model_is_calibrated_and_listed() {
     let text = String::from_utf8(bench.run(&["inspect", "c.toml"]).stdout).unwrap();
     says(
         &text,
-        &["Effects:", "scale.per_leg: scale1 0.00100", "sag.frame (seen by the instrument only): shift 50.0 um"],
+        &["Effects:", "scale.per_leg: scale1 1000 ppm", "sag.frame (seen by the instrument only): shift 50.0 um"],
     );
     assert!(bench.read("c.toml").contains("sigma = { shift = "));
 }
