@@ -14,13 +14,13 @@
 //!
 //! | group | names | file |
 //! |---|---|---|
-//! | temperature | `thermal.*` | [`catalogue`] |
+//! | temperature | `thermal.*` | [`mod@catalogue`] |
 //! | joints | `scale.*`, `length.quadratic`, `cyclic.pitch`, `backlash`, `hysteresis.play`, `joint.*` | |
 //! | gravity | `compliance.*`, `sag.*` | |
 //! | time | `drift.*`, `step.*` | |
 //!
 //! [`Effect`] is the trait; a consumer's own effect stands beside those of the [`catalogue()`]. [`Extended`] is a
-//! mechanism with effects, and again a [`Mechanism`]: identification, pose selection, compensation and files work with
+//! mechanism with effects, and again a [`Mechanism`](crate::mechanism::Mechanism): identification, pose selection, compensation and files work with
 //! it unchanged. Effects on the measurement are parameters of the measurement ([`SeenThrough`]).
 
 pub mod catalogue;
