@@ -41,7 +41,6 @@ pub(super) fn covariates(data: &Dataset) -> Vec<Covariate> {
     let Some(first) = (!data.is_empty()).then(|| data.sample(0)) else { return all };
     let names: Vec<&String> = first.conditions.covariates.keys().collect();
     for name in &names {
-        // Three components say what the elevation says; a column of units has said it before.
         let leg = name.strip_prefix("temp_leg").and_then(|n| n.parse::<usize>().ok()?.checked_sub(1));
         let waves = matches!(name.as_str(), "time" | "azimuth");
         add((*name).clone(), leg, waves, &|k| data.sample(k).conditions.get(name));

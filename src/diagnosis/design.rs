@@ -45,14 +45,13 @@ pub fn planned(
 pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<NotTestable>), DiagnoseError> {
     let prior = Prior::wide(question.mechanism, TOLERANCES);
     let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
-    let (subject, missing) = Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
+    let (subject, mut missing) =
+        Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
     let table = table_of(&subject)?;
     let model = model_of(&subject, &table, Vec::new())?;
     let mut limits = Vec::new();
-    let mut missing: Vec<NotTestable> =
-        missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
-    for group in &subject.groups {
-        match limit(&model, group, subject.groups.len()) {
+    for (k, group) in subject.groups.iter().enumerate() {
+        match limit(&model, &subject.groups, k, subject.groups.len()) {
             Some(found) => limits.push(found),
             None => missing.push(NotTestable::unchanging(group)),
         }

@@ -1,8 +1,13 @@
 //! Names and outliers in turn, until both stay.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::DVector;
+
 use super::DiagnoseError;
 use super::covariates::covariates;
-use super::model::{Candidate, Fitting, Model};
+use super::model::{Candidate, Fitting, Model, columns_of};
 use super::noise;
 use super::outliers::{distances, outliers, suspicious};
 use super::result::NoiseVaries;
@@ -17,6 +22,11 @@ const ROUNDS: usize = 3;
 const STEPS: usize = 8;
 /// Degrees of freedom below which nothing is looked for.
 const FEWEST: usize = 12;
+
+/// The samples below `samples` that are not left out.
+fn kept(samples: usize, left_out: &[usize]) -> Vec<usize> {
+    (0..samples).filter(|k| !left_out.contains(k)).collect()
+}
 
 /// Runs the search on a subject.
 pub(super) struct Explorer<'a> {
@@ -50,8 +60,7 @@ impl Explored {
     pub(super) fn noise_varies(&self, subject: &Subject<'_>) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
         let all = distances(&self.full, &model, &subject.groups, &self.left_out);
-        let kept: Vec<usize> = (0..self.full.samples()).filter(|k| !self.left_out.contains(k)).collect();
-        Ok(noise::noise_varies(&all, &covariates(subject.data), &kept))
+        Ok(noise::noise_varies(&all, &covariates(subject.data), &self.kept()))
     }
 
     /// σ of the rows of each joint over the stated one.
@@ -60,7 +69,12 @@ impl Explored {
         Ok(self.table.spreads_of(&model.residual, &self.left_out))
     }
 
-    /// The model of the names.
+    /// The samples that were not left out.
+    pub(super) fn kept(&self) -> Vec<usize> {
+        kept(self.full.samples(), &self.left_out)
+    }
+
+    /// The model of the parameters and these names.
     pub(super) fn model(&self, subject: &Subject<'_>, names: Vec<Candidate>) -> Result<Model<'_>, DiagnoseError> {
         Model::fit(&self.table, &subject.groups, names, &self.fitting)
     }
@@ -104,12 +118,10 @@ impl Explorer<'_> {
 
     fn explore(&self, trim: bool, inflation: f64) -> Result<Explored, DiagnoseError> {
         let subject = self.subject;
-        let everyone: Vec<usize> = (0..subject.data.len()).collect();
         let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
         let mut names: Vec<Candidate> = Vec::new();
         let mut left_out = if trim { self.gross(&start)? } else { Vec::new() };
-        let sound: Vec<usize> = everyone.iter().copied().filter(|k| !left_out.contains(k)).collect();
-        let mut point = subject.fit(&start, &sound)?;
+        let mut point = subject.fit(&start, &kept(subject.data.len(), &left_out))?;
         let mut last: Option<Explored> = None;
         for round in 0..ROUNDS {
             let mut full = match (subject.table(&point), last.take()) {
@@ -119,8 +131,8 @@ impl Explorer<'_> {
                 (Err(error), _) => return Err(error),
             };
             for (name, effect) in names.iter().zip(&point.effects) {
-                let columns = super::model::columns_of(&full, &subject.groups, name);
-                full.r -= columns * nalgebra::DVector::from_column_slice(&effect.values);
+                let columns = columns_of(&full, &subject.groups, name);
+                full.r -= columns * DVector::from_column_slice(&effect.values);
             }
             let mut fitting = Fitting { rows: full.r.len(), scale: point.scale, inflation, known: self.known };
             let before = (names.clone(), left_out.clone());
@@ -135,21 +147,21 @@ impl Explorer<'_> {
                 table = full.without(&left_out);
                 fitting.rows = full.count(&left_out);
                 let search = Search { table: &table, groups: &subject.groups, fitting };
-                self.check_freedom(&search, &names)?;
-                if step == 0 && round > 0 {
+                let mut model = search.model(names.clone())?;
+                self.check_freedom(&model, fitting.rows)?;
+                if step == 0 && round > 0 && !names.is_empty() {
                     // With the columns of the new point a name may no longer stand.
                     names = search.polished(names)?;
+                    model = search.model(names.clone())?;
                 }
-                match search.step(&names)? {
+                match search.step(&model)? {
                     Some(next) if next != names => names = next,
                     _ => break,
                 }
             }
             point.scale = fitting.scale;
             let settled = before == (names.clone(), left_out.clone());
-            let model = Model::fit(&table, &subject.groups, names.clone(), &fitting)?;
-            let effects = self.effects(&full, &model, &names);
-            drop(model);
+            let effects = self.effects(&Model::fit(&table, &subject.groups, names.clone(), &fitting)?);
             let explored = Explored {
                 full,
                 table,
@@ -162,8 +174,7 @@ impl Explorer<'_> {
             if settled || round + 1 == ROUNDS {
                 return Ok(explored);
             }
-            let kept: Vec<usize> = everyone.iter().copied().filter(|k| !left_out.contains(k)).collect();
-            point = match subject.fit(&Point { effects, ..point.clone() }, &kept) {
+            point = match subject.fit(&Point { effects, ..point.clone() }, &explored.kept()) {
                 Ok(point) => point,
                 Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)) => return Ok(explored),
                 Err(error) => return Err(error),
@@ -184,29 +195,29 @@ impl Explorer<'_> {
         Ok(if 3 * left_out.len() > full.samples() { Vec::new() } else { left_out })
     }
 
-    fn check_freedom(&self, search: &Search<'_>, names: &[Candidate]) -> Result<(), DiagnoseError> {
-        let free = search.model(names.to_vec())?.noise.dof;
+    fn check_freedom(&self, model: &Model<'_>, rows: usize) -> Result<(), DiagnoseError> {
+        let free = model.noise.dof;
         if free < FEWEST as f64 {
-            let (samples, rows) = (self.subject.data.len(), search.fitting.rows);
+            let samples = self.subject.data.len();
             return Err(DiagnoseError::TooFewRows { samples, rows, free: free.max(0.0), needed: FEWEST });
         }
         Ok(())
     }
 
-    /// The names with their values.
-    pub(super) fn effects(&self, full: &Table, model: &Model<'_>, names: &[Candidate]) -> Vec<ActiveEffect> {
+    /// The names of a model with their values.
+    fn effects(&self, model: &Model<'_>) -> Vec<ActiveEffect> {
         let step = model.step();
         let rows: Vec<usize> = self.subject.data.iter().map(|s| s.row).collect();
-        let mut at = full.nuisance;
-        let mut effects = Vec::with_capacity(names.len());
-        for name in names {
+        let mut at = model.table.nuisance;
+        let mut effects = Vec::with_capacity(model.candidates.len());
+        for name in &model.candidates {
             let group = &self.subject.groups[name.group];
             let p = group.parameters.len();
             effects.push(ActiveEffect {
-                effect: std::sync::Arc::clone(&group.effect),
+                effect: Arc::clone(&group.effect),
                 at: name.at(&self.subject.groups, &rows),
                 values: step.rows(at, p).iter().copied().collect(),
-                range: std::collections::BTreeMap::new(),
+                range: BTreeMap::new(),
             });
             at += p;
         }

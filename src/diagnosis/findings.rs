@@ -9,10 +9,11 @@ use super::remainder::{remainder, rival, worth_of};
 use super::result::{
     Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
 };
-use super::search::{Score, TIED, scores, separability};
+use super::search::{Score, TIED, related, scores, separability};
 use super::settle::TOLD_APART;
 use super::subject::Subject;
 use super::{DiagnoseError, Question};
+use crate::effect::EffectParameter;
 use crate::identification::Registration;
 use crate::units::{Dimension, three_digits};
 
@@ -32,7 +33,7 @@ pub(super) fn findings(
     question: &Question<'_>,
     subject: &Subject<'_>,
     explored: &Explored,
-    missing: Vec<(String, Vec<String>)>,
+    mut not_testable: Vec<NotTestable>,
     registration: &Registration,
     noise_varies: Option<NoiseVaries>,
 ) -> Result<Diagnosis, DiagnoseError> {
@@ -57,30 +58,17 @@ pub(super) fn findings(
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
             covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
-            leg: None,
-            test: "patchwork",
-            p_value: causes.iter().map(|c| c.p_value).fold(0.0, f64::max),
-            period: None,
-            runner_up: None,
-            withdrawn: Vec::new(),
+            ..Unknown::by("patchwork", causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
     if subject.data.noise.known && is_hopeless(subject, explored, if withdrawn { &without } else { &model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         effects.clear();
         withdrawn = true;
-        unknown = Some(Unknown {
-            covariate: None,
-            leg: None,
-            test: "misfit",
-            p_value: 0.0,
-            period: None,
-            runner_up: None,
-            withdrawn: names,
-        });
+        unknown = Some(Unknown { withdrawn: names, ..Unknown::by("misfit", 0.0) });
     }
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
-    let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
+    let kept = explored.kept();
     let verdict = match (&unknown, causes.is_empty()) {
         (Some(_), _) => Verdict::Unknown,
         (None, true) => Verdict::Clean,
@@ -88,8 +76,6 @@ pub(super) fn findings(
         (None, false) => Verdict::Named,
     };
     let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
-    let mut not_testable: Vec<NotTestable> =
-        missing.into_iter().map(|(effect, missing)| NotTestable { effect, missing }).collect();
     not_testable.extend(unseen);
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept));
@@ -150,8 +136,7 @@ fn is_rounding(explored: &Explored, without: &Model<'_>, model: &Model<'_>, join
 
 /// True if what is left is far above the stated noise.
 fn is_hopeless(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> bool {
-    let kept: Vec<usize> = (0..explored.full.samples()).filter(|k| !explored.left_out.contains(k)).collect();
-    let left = rms(&explored.table, &model.residual, &kept);
+    let left = rms(&explored.table, &model.residual, &explored.kept());
     let noise = &subject.data.noise;
     let above = |rms: Option<f64>, sigma: f64| rms.is_some_and(|v| v > HOPELESS * 3.0_f64.sqrt() * sigma);
     above(left.position, noise.position) || above(left.rotation, noise.rotation)
@@ -198,7 +183,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
         let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
         let lambda_limit = lambda(own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
-        let parameter = |(i, spec): (usize, &crate::effect::EffectParameter)| CauseParameter {
+        let parameter = |(i, spec): (usize, &EffectParameter)| CauseParameter {
             name: spec.name.clone(),
             value: values[i],
             sigma: Some(covariance[(at + i, at + i)].max(0.0).sqrt()).filter(|s| *s < UNSEEN * spec.scale),
@@ -249,14 +234,11 @@ fn rivals(
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
     let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
-    let effect = |group: usize| &subject.groups[group].effect;
     let mut tied: Vec<Rival> = Vec::new();
     for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
-        let (mine, other) = (effect(name.group), effect(s.candidate.group));
         let behind = own - s.evidence;
-        let related = mine.special_case_of().contains(&other.name()) || other.special_case_of().contains(&mine.name());
         // What the data can hardly tell apart is not told apart by the sizes that are usual.
-        let reach = if related { TIED } else { 2.0 * TIED };
+        let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
         if behind > reach {
             continue;
         }
@@ -264,7 +246,7 @@ fn rivals(
         if behind <= TIED || separability < TOLD_APART {
             let at = s.candidate.at(&subject.groups, &rows);
             tied.push(Rival {
-                effect: other.name().into(),
+                effect: subject.groups[s.candidate.group].effect.name().into(),
                 leg: at.leg,
                 row: at.row,
                 of: at.covariate,
@@ -294,10 +276,10 @@ fn not_found(
         if tied || names.iter().any(|n| n.group == k) {
             continue;
         }
-        match limit(model, group, tests) {
+        match limit(model, &subject.groups, k, tests) {
             Some(limit) => found.push(limit),
             // What a named effect contains was looked for with it.
-            None if limit(without, group, tests).is_some() => {}
+            None if limit(without, &subject.groups, k, tests).is_some() => {}
             None => unseen.push(NotTestable::unchanging(group)),
         }
     }

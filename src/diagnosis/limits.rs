@@ -3,7 +3,7 @@
 //! Currie's limit: the size with which the test of the effect, at the level of the whole catalogue and with all places of
 //! its scan counted, comes out with a probability of 95 %. It follows from the columns alone, before anything is measured.
 
-use super::asked::Asked;
+use super::asked::ABSORBED;
 use super::model::Model;
 use super::result::NotFound;
 use super::search::LEVEL;
@@ -17,25 +17,14 @@ pub(super) fn lambda(rank: usize, tests: usize, places: usize) -> f64 {
 
 /// The limit of the first parameter of an effect alone; `None` if the data do not see it. Where places are tried out, that
 /// of the place in the middle of their order by size.
-pub(super) fn limit(model: &Model<'_>, group: &Group, tests: usize) -> Option<NotFound> {
-    let first = model.table.nuisance;
-    let mut asked: Vec<(Asked, usize)> = Vec::new();
-    for place in &group.places {
-        let columns = first + place.columns.start..first + place.columns.end;
-        if place.scans_rows {
-            let all = model.ask_from_each_row(columns);
-            let last = all.len().saturating_sub(1);
-            asked.extend(all.into_iter().take(last).skip(1).map(|a| (a, 0)));
-        } else {
-            asked.push((model.ask(columns), 0));
-        }
-    }
+pub(super) fn limit(model: &Model<'_>, groups: &[Group], group: usize, tests: usize) -> Option<NotFound> {
+    let asked = model.ask_everywhere(groups, group);
     let places = asked.len();
     let mut seen: Vec<(f64, usize)> = asked
         .iter()
-        .filter_map(|(a, _)| {
+        .filter_map(|(_, a)| {
             let (_, rank) = a.gain();
-            (rank > 0 && a.s[(0, 0)] > 1e-8 * a.raw[0]).then(|| (a.s[(0, 0)], rank))
+            (rank > 0 && a.s[(0, 0)] > ABSORBED * a.raw[0]).then(|| (a.s[(0, 0)], rank))
         })
         .collect();
     if seen.is_empty() {
@@ -44,9 +33,9 @@ pub(super) fn limit(model: &Model<'_>, group: &Group, tests: usize) -> Option<No
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (s, rank) = seen[seen.len() / 2];
     let lambda = lambda(rank, tests, places);
-    let parameter = &group.parameters[0];
+    let parameter = &groups[group].parameters[0];
     Some(NotFound {
-        effect: group.effect.name().into(),
+        effect: groups[group].effect.name().into(),
         parameter: parameter.name.clone(),
         limit: (lambda * model.noise.variance() / s).sqrt(),
         dimension: parameter.dimension,

@@ -29,6 +29,7 @@
 //! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
 
 mod asked;
+mod assignment;
 mod covariates;
 mod design;
 mod error;
@@ -44,6 +45,7 @@ mod preflight;
 mod readings;
 mod remainder;
 mod result;
+mod scenarios;
 mod search;
 mod settle;
 mod statistics;

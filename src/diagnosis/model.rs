@@ -40,8 +40,6 @@ impl Candidate {
 pub(super) struct Model<'a> {
     pub(super) table: &'a Table,
     pub(super) candidates: Vec<Candidate>,
-    /// Columns of the accepted effects (rows × k).
-    effects: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
     /// `Q` (rows × z).
     q: DMatrix<f64>,
@@ -70,13 +68,23 @@ pub(super) struct Fitting {
 /// The columns of a candidate.
 pub(super) fn columns_of(table: &Table, groups: &[Group], candidate: &Candidate) -> DMatrix<f64> {
     let place = &groups[candidate.group].places[candidate.place];
-    let first = table.nuisance;
-    let range = first + place.columns.start..first + place.columns.end;
-    let mut columns = table.a.columns(range.start, range.len()).into_owned();
+    let mut columns = table.a.columns(place.columns.start, place.columns.len()).into_owned();
     if let Some(from) = candidate.from {
         columns.rows_mut(0, table.rows[from].0).fill(0.0);
     }
     columns
+}
+
+/// The columns of candidates side by side.
+fn columns_of_all(table: &Table, groups: &[Group], candidates: &[Candidate]) -> DMatrix<f64> {
+    let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(table, groups, c)).collect();
+    let mut all = DMatrix::zeros(table.r.len(), blocks.iter().map(DMatrix::ncols).sum());
+    let mut at = 0;
+    for block in &blocks {
+        all.columns_mut(at, block.ncols()).copy_from(block);
+        at += block.ncols();
+    }
+    all
 }
 
 impl<'a> Model<'a> {
@@ -87,19 +95,11 @@ impl<'a> Model<'a> {
         candidates: Vec<Candidate>,
         fitting: &Fitting,
     ) -> Result<Self, DiagnoseError> {
-        let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(table, groups, c)).collect();
-        let count = blocks.iter().map(DMatrix::ncols).sum();
-        let n = table.r.len();
-        let mut effects = DMatrix::zeros(n, count);
-        let mut at = 0;
-        for block in &blocks {
-            effects.columns_mut(at, block.ncols()).copy_from(block);
-            at += block.ncols();
-        }
-        let z_count = table.nuisance + count;
-        let mut z = DMatrix::zeros(n, z_count);
+        let effects = columns_of_all(table, groups, &candidates);
+        let z_count = table.nuisance + effects.ncols();
+        let mut z = DMatrix::zeros(table.r.len(), z_count);
         z.columns_mut(0, table.nuisance).copy_from(&table.a.columns(0, table.nuisance));
-        z.columns_mut(table.nuisance, count).copy_from(&effects);
+        z.columns_mut(table.nuisance, effects.ncols()).copy_from(&effects);
         let mut normal = z.transpose() * &z;
         let weight = fitting.scale * fitting.scale;
         let mut corner = normal.view_mut((0, 0), (table.nuisance, table.nuisance));
@@ -128,7 +128,7 @@ impl<'a> Model<'a> {
         let rss = residual.norm_squared() / fitting.inflation;
         let whole = (table.r.norm_squared() + table.penalty * weight - t.norm_squared()) / fitting.inflation;
         let noise = Noise { rss, objective: whole.max(rss), dof, known: fitting.known };
-        Ok(Self { table, candidates, effects, factor, q, t, w, residual, noise, inflation: fitting.inflation })
+        Ok(Self { table, candidates, factor, q, t, w, residual, noise, inflation: fitting.inflation })
     }
 
     /// True if what is left is that of rounded numbers and no noise: data from a simulation without any.
@@ -137,7 +137,7 @@ impl<'a> Model<'a> {
     }
 
     /// Further columns of the table, by their numbers.
-    pub(super) fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
+    fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
         let x = self.table.a.columns(columns.start, columns.len());
         let w = self.w.columns(columns.start, columns.len());
         let square = x.tr_mul(&x);
@@ -146,20 +146,30 @@ impl<'a> Model<'a> {
 
     /// The columns of these candidates together.
     pub(super) fn ask_all(&self, groups: &[Group], candidates: &[Candidate]) -> Asked {
-        let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(self.table, groups, c)).collect();
-        let mut x = DMatrix::zeros(self.table.r.len(), blocks.iter().map(DMatrix::ncols).sum());
-        let mut at = 0;
-        for block in &blocks {
-            x.columns_mut(at, block.ncols()).copy_from(block);
-            at += block.ncols();
-        }
+        let x = columns_of_all(self.table, groups, candidates);
         let w = self.q.transpose() * &x;
         let square = x.transpose() * &x;
         Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
     }
 
+    /// An effect at every place of its scan.
+    pub(super) fn ask_everywhere(&self, groups: &[Group], group: usize) -> Vec<(Candidate, Asked)> {
+        let mut all = Vec::new();
+        for (place, p) in groups[group].places.iter().enumerate() {
+            if !p.scans_rows {
+                all.push((Candidate { group, place, from: None }, self.ask(p.columns.clone())));
+                continue;
+            }
+            // A step before the first row is an offset, and one at the last row an outlier.
+            let last = self.table.samples().saturating_sub(1);
+            let steps = self.ask_from_each_row(p.columns.clone()).into_iter().enumerate().take(last).skip(1);
+            all.extend(steps.map(|(from, asked)| (Candidate { group, place, from: Some(from) }, asked)));
+        }
+        all
+    }
+
     /// A block of columns that acts from each sample on, in order: the sums over the samples from there to the end.
-    pub(super) fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<Asked> {
+    fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<Asked> {
         let p = columns.len();
         let x = self.table.a.columns(columns.start, p);
         let mut w = DMatrix::zeros(self.q.ncols(), p);
@@ -193,9 +203,9 @@ impl<'a> Model<'a> {
 
     /// Covariance of the parameters of the accepted effects, for unit noise.
     pub(super) fn effect_covariance(&self) -> DMatrix<f64> {
-        let (first, count) = (self.table.nuisance, self.effects.ncols());
-        let inverse = self.factor.inverse();
-        inverse.view((first, first), (count, count)).into_owned()
+        let first = self.table.nuisance;
+        let count = self.q.ncols() - first;
+        self.factor.inverse().view((first, first), (count, count)).into_owned()
     }
 
     /// `Q` of the rows of a sample.
@@ -219,7 +229,7 @@ impl<'a> Model<'a> {
             let p = place.columns.len();
             let acts = candidate.from.is_none_or(|from| first >= full.rows[from].0);
             if acts {
-                z.columns_mut(at, p).copy_from(&full.a.view((first, full.nuisance + place.columns.start), (n, p)));
+                z.columns_mut(at, p).copy_from(&full.a.view((first, place.columns.start), (n, p)));
             }
             at += p;
         }

@@ -12,8 +12,7 @@ const RATIO: f64 = 1e-4;
 const LEVEL: f64 = 5e-4;
 
 /// Does the size of the residual depend on a covariate, and which σ has each sample then, relative to the middle of the
-/// range? Regression of `ln(d²)` on each, with `d²` the length squared of
-/// a sample over what the noise would give.
+/// range? Regression of `ln(d²)` on each, with `d²` the length squared of a sample over what the noise would give.
 pub(super) fn noise_varies(
     distances: &[Option<(f64, usize)>],
     covariates: &[Covariate],
@@ -64,9 +63,9 @@ pub(super) fn noise_varies(
 pub(super) fn ratio(model: &Model<'_>, left_out: &[usize]) -> Option<[f64; 2]> {
     let table = model.table;
     let mut sums = [(0.0, 0.0); 2];
-    for (_, (first, n)) in table.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)) {
-        let q = model.leverage_rows(*first, *n);
-        for i in 0..*n {
+    for (first, n) in table.kept_rows(left_out) {
+        let q = model.leverage_rows(first, n);
+        for i in 0..n {
             let sum = &mut sums[usize::from(table.kinds[first + i] == RowKind::Rotation)];
             sum.0 += model.residual[first + i].powi(2);
             sum.1 += 1.0 - q.row(i).norm_squared();

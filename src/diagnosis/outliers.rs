@@ -97,7 +97,7 @@ pub(super) fn outliers(
     Ok((left_out, scale))
 }
 
-/// Probability check used by the two-way run: are these samples more than a tenth of all, or mostly neighbours?
+/// Reason to try without leaving out: are these samples more than a tenth of all, or mostly neighbours?
 pub(super) fn suspicious(left_out: &[usize], samples: usize) -> bool {
     if left_out.len() * 10 > samples {
         return true;

@@ -6,7 +6,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector3, Vector6};
 
-use super::readings::{Reading, Table};
+use super::assignment::{best_assignment, correlation};
+use super::readings::{AsStated, Reading};
 use super::result::Misread;
 use crate::conditions::Conditions;
 use crate::identification::{Prior, register};
@@ -37,7 +38,7 @@ pub(super) fn preflight(
     prior: &Prior,
 ) -> Option<Misread> {
     let trial = Trial::new(mechanism, data, convention, prior)?;
-    let few: Vec<usize> = spread(data.len(), FEW);
+    let few: Vec<usize> = evenly(data.len(), FEW);
     let all: Vec<usize> = (0..data.len()).collect();
     let mut readings = Reading::all(mechanism);
     readings.extend(trial.leg_order());
@@ -93,7 +94,7 @@ fn spread_of(poses: &[Pose], turns: bool) -> f64 {
 }
 
 /// About `count` numbers below `n`, evenly spread.
-fn spread(n: usize, count: usize) -> Vec<usize> {
+fn evenly(n: usize, count: usize) -> Vec<usize> {
     let step = n.div_ceil(count).max(1);
     (0..n).step_by(step).collect()
 }
@@ -101,7 +102,7 @@ fn spread(n: usize, count: usize) -> Vec<usize> {
 struct Trial<'a> {
     mechanism: &'a dyn Mechanism,
     data: &'a Dataset,
-    table: Table,
+    table: AsStated,
     home: Vec<f64>,
     precision: DMatrix<f64>,
     prior: &'a Prior,
@@ -126,7 +127,7 @@ impl<'a> Trial<'a> {
         if still {
             return None;
         }
-        let mut table = Table { joints: Vec::new(), poses: Vec::new(), convention: *convention };
+        let mut table = AsStated { joints: Vec::new(), poses: Vec::new(), convention: *convention };
         for k in 0..data.len() {
             let (model, index) = data.reading(k);
             table.poses.push(model.coordinates(index)?);
@@ -280,42 +281,4 @@ fn median(values: &[f64]) -> Option<f64> {
     let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     finite.sort_by(f64::total_cmp);
     (2 * finite.len() > values.len()).then(|| finite[finite.len() / 2])
-}
-
-fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let n = pairs.clone().count() as f64;
-    let (ma, mb) = pairs.clone().fold((0.0, 0.0), |(x, y), (a, b)| (x + a / n, y + b / n));
-    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        aa += (a - ma).powi(2);
-        ab += (a - ma) * (b - mb);
-        bb += (b - mb).powi(2);
-    }
-    if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
-}
-
-/// The assignment of columns to rows with the largest sum, by going through all of them; legs are few.
-fn best_assignment(score: &DMatrix<f64>) -> Vec<usize> {
-    fn go(score: &DMatrix<f64>, order: &mut Vec<usize>, sum: f64, best: &mut (f64, Vec<usize>)) {
-        let n = score.nrows();
-        if order.len() == n {
-            if sum > best.0 {
-                *best = (sum, order.clone());
-            }
-            return;
-        }
-        // No row can add more than one.
-        if sum + (n - order.len()) as f64 <= best.0 {
-            return;
-        }
-        for column in (0..n).filter(|k| !order.contains(k)).collect::<Vec<_>>() {
-            let row = order.len();
-            order.push(column);
-            go(score, order, sum + score[(row, column)], best);
-            order.pop();
-        }
-    }
-    let mut best = (f64::NEG_INFINITY, (0..score.nrows()).collect());
-    go(score, &mut Vec::new(), 0.0, &mut best);
-    best.1
 }

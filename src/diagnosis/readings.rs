@@ -6,7 +6,7 @@ use crate::units::Dimension;
 
 /// Joints and coordinates of the poses, by sample, as they stand in a file.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(super) struct AsStated {
     pub(super) joints: Vec<Vec<f64>>,
     pub(super) poses: Vec<[f64; 6]>,
     pub(super) convention: PoseConvention,
@@ -114,7 +114,7 @@ impl Reading {
     }
 
     /// Joints and pose of a row when the file is read this way; `None` if the row has no partner.
-    pub(super) fn row(&self, table: &Table, home: &[f64], row: usize) -> Option<(Vec<f64>, Pose)> {
+    pub(super) fn row(&self, table: &AsStated, home: &[f64], row: usize) -> Option<(Vec<f64>, Pose)> {
         let mut joints = table.joints[row].clone();
         let mut q = table.poses[row];
         let mut convention = table.convention;

@@ -33,16 +33,46 @@ const FEW: usize = 3;
 /// Degree of the polynomial.
 const DEGREE: usize = 4;
 
-/// One finding of a smooth or a wave.
+/// One finding of a smooth, a jump or a wave.
 #[derive(Clone, Debug)]
 pub(super) struct Finding {
     covariate: String,
     leg: usize,
     p_value: f64,
     /// Half the change of BIC: what it gains over its price, nats.
-    pub(super) worth: f64,
+    worth: f64,
     period: Option<f64>,
     test: &'static str,
+}
+
+impl Finding {
+    /// What a test of a covariate at a leg found: a gain from `rank` columns, at the price of so many parameters.
+    fn of(
+        test: &'static str,
+        model: &Model<'_>,
+        (covariate, leg): (&Covariate, usize),
+        (gain, rank): (f64, usize),
+        price: f64,
+    ) -> Self {
+        Self {
+            covariate: covariate.name.clone(),
+            leg,
+            p_value: model.noise.p_value(gain, rank),
+            worth: worth(model, gain, price),
+            period: None,
+            test,
+        }
+    }
+
+    /// The same as an answer.
+    fn unknown(&self) -> Unknown {
+        Unknown {
+            covariate: Some(self.covariate.clone()),
+            leg: Some(self.leg),
+            period: self.period,
+            ..Unknown::by(self.test, self.p_value)
+        }
+    }
 }
 
 fn worth(model: &Model<'_>, gain: f64, parameters: f64) -> f64 {
@@ -77,16 +107,7 @@ pub(super) fn smooths(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Findin
         for (m, covariate) in mine.iter().enumerate() {
             let (gain, rank) = asked.ask(DEGREE * m..DEGREE * (m + 1)).gain();
             if rank > 0 {
-                let p_value = model.noise.p_value(gain, rank);
-                let worth = worth(model, gain, rank as f64);
-                found.push(Finding {
-                    covariate: covariate.name.clone(),
-                    leg,
-                    p_value,
-                    worth,
-                    period: None,
-                    test: "smooth",
-                });
+                found.push(Finding::of("smooth", model, (covariate, leg), (gain, rank), rank as f64));
             }
         }
     }
@@ -108,11 +129,9 @@ pub(super) fn jumps(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
                     continue;
                 }
                 if let Some(gain) = gain {
-                    let p_value = model.noise.p_value(gain, 1);
+                    let jump = Finding::of("jump", model, (covariate, leg), (gain, 1), 1.0);
                     // The place is chosen among all samples.
-                    let worth = worth(model, gain, 1.0) - (samples as f64).ln();
-                    let name = covariate.name.clone();
-                    found.push(Finding { covariate: name, leg, p_value, worth, period: None, test: "jump" });
+                    found.push(Finding { worth: jump.worth - (samples as f64).ln(), ..jump });
                 }
             }
         }
@@ -145,17 +164,9 @@ pub(super) fn waves(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
             for k in 0..count {
                 let (gain, rank) = asked.ask(2 * k..2 * k + 2).gain();
                 if rank > 0 {
-                    let p_value = model.noise.p_value(gain, rank);
-                    let worth = worth(model, gain, 3.0);
-                    let period = Some((high - low) / cycles(k));
-                    found.push(Finding {
-                        covariate: covariate.name.clone(),
-                        leg,
-                        p_value,
-                        worth,
-                        period,
-                        test: "wave",
-                    });
+                    // Sine, cosine and the period.
+                    let wave = Finding::of("wave", model, (covariate, leg), (gain, rank), 3.0);
+                    found.push(Finding { period: Some((high - low) / cycles(k)), ..wave });
                 }
             }
         }
@@ -213,32 +224,15 @@ pub(super) fn remainder(model: &Model<'_>, covariates: &[Covariate]) -> Option<U
     let scatter = worst.filter(|(_, p)| p * (scattered.len() as f64) < SCATTER);
     if let Some(best) = findings.first() {
         let other = findings.iter().find(|f| f.covariate != best.covariate && f.worth > best.worth - 3.0);
-        return Some(Unknown {
-            covariate: Some(best.covariate.clone()),
-            leg: Some(best.leg),
-            test: best.test,
-            p_value: best.p_value,
-            period: best.period,
-            runner_up: other.map(|f| f.covariate.clone()),
-            withdrawn: Vec::new(),
-        });
+        return Some(Unknown { runner_up: other.map(|f| f.covariate.clone()), ..best.unknown() });
     }
-    let blank = |leg, test, p_value| Unknown {
-        covariate: None,
-        leg,
-        test,
-        p_value,
-        period: None,
-        runner_up: None,
-        withdrawn: Vec::new(),
-    };
     if let Some((leg, p)) = scatter {
-        return Some(blank(Some(leg), "scatter", p * scattered.len() as f64));
+        return Some(Unknown { leg: Some(leg), ..Unknown::by("scatter", p * scattered.len() as f64) });
     }
     if model.noise.known {
         let p = ChiSquared::new(model.noise.dof).map_or(1.0, |d| d.sf(model.noise.rss));
         if p < SIZE {
-            return Some(blank(None, "size", p));
+            return Some(Unknown::by("size", p));
         }
     }
     None
@@ -258,13 +252,5 @@ pub(super) fn rival(
     let best = all.into_iter().max_by(|a, b| a.worth.total_cmp(&b.worth))?;
     // What is not significant by itself withdraws nothing.
     let significant = best.p_value * (tests as f64) < SMOOTH;
-    (significant && best.worth > worth_of_names + margin).then(|| Unknown {
-        covariate: Some(best.covariate),
-        leg: Some(best.leg),
-        test: best.test,
-        p_value: best.p_value,
-        period: None,
-        runner_up: None,
-        withdrawn: Vec::new(),
-    })
+    (significant && best.worth > worth_of_names + margin).then(|| best.unknown())
 }

@@ -121,6 +121,13 @@ pub struct Unknown {
     pub withdrawn: Vec<String>,
 }
 
+impl Unknown {
+    /// Found by a test, and depending on nothing.
+    pub(super) fn by(test: &'static str, p_value: f64) -> Self {
+        Self { covariate: None, leg: None, test, p_value, period: None, runner_up: None, withdrawn: Vec::new() }
+    }
+}
+
 /// A file that was read wrongly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Misread {

@@ -3,7 +3,6 @@
 use nalgebra::DMatrix;
 
 use super::DiagnoseError;
-use super::asked::Asked;
 use super::model::{Candidate, Fitting, Model, columns_of};
 use super::statistics::log_mean;
 use super::subject::Group;
@@ -44,24 +43,8 @@ pub(super) fn scores(model: &Model<'_>, groups: &[Group]) -> Vec<Score> {
 
 /// Tests one effect beside a model.
 pub(super) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score {
-    let g = &groups[group];
-    let scales: Vec<f64> = g.parameters.iter().map(|p| p.scale).collect();
-    let first = model.table.nuisance;
-    let mut all: Vec<(Candidate, Asked)> = Vec::new();
-    for (place, p) in g.places.iter().enumerate() {
-        let columns = first + p.columns.start..first + p.columns.end;
-        if p.scans_rows {
-            let asked = model.ask_from_each_row(columns);
-            // A step before the first row is an offset, and one at the last row an outlier.
-            let steps = asked.into_iter().enumerate().skip(1);
-            let last = model.table.samples().saturating_sub(1);
-            all.extend(
-                steps.filter(|(k, _)| *k < last).map(|(from, a)| (Candidate { group, place, from: Some(from) }, a)),
-            );
-        } else {
-            all.push((Candidate { group, place, from: None }, model.ask(columns)));
-        }
-    }
+    let scales: Vec<f64> = groups[group].parameters.iter().map(|p| p.scale).collect();
+    let all = model.ask_everywhere(groups, group);
     let nothing = Candidate { group, place: 0, from: None };
     let mut best =
         Score { candidate: nothing, gain: 0.0, rank: 0, p_value: 1.0, evidence: f64::NEG_INFINITY, places: 0 };
@@ -112,15 +95,14 @@ impl<'a> Search<'a> {
         detected.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 
-    /// One more name, if one is detected, and then names removed and exchanged while that helps. `None` if nothing is
-    /// detected.
-    pub(super) fn step(&self, names: &[Candidate]) -> Result<Option<Vec<Candidate>>, DiagnoseError> {
-        if names.len() >= MOST {
+    /// The names of a model and one more, if one is detected, and then names removed and exchanged while that helps. `None`
+    /// if nothing is detected.
+    pub(super) fn step(&self, model: &Model<'_>) -> Result<Option<Vec<Candidate>>, DiagnoseError> {
+        if model.candidates.len() >= MOST {
             return Ok(None);
         }
-        let model = self.model(names.to_vec())?;
-        let Some(found) = self.best(&model) else { return Ok(None) };
-        let mut next = names.to_vec();
+        let Some(found) = self.best(model) else { return Ok(None) };
+        let mut next = model.candidates.clone();
         next.push(found.candidate);
         if next.len() > 1 {
             next = self.polished(next)?;
@@ -160,6 +142,12 @@ impl<'a> Search<'a> {
     }
 }
 
+/// True if one of two effects is a special case of the other.
+pub(super) fn related(groups: &[Group], one: &Candidate, other: &Candidate) -> bool {
+    let (a, b) = (&groups[one.group].effect, &groups[other.group].effect);
+    a.special_case_of().contains(&b.name()) || b.special_case_of().contains(&a.name())
+}
+
 /// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside
 /// the model `without`.
 pub(super) fn separability(
@@ -173,18 +161,14 @@ pub(super) fn separability(
     let theta = DMatrix::from_column_slice(values.len(), 1, values);
     let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
     let x = without.projected(&columns_of(without.table, groups, rival));
-    let left = match x.clone().svd(true, false) {
-        svd if svd.singular_values.max() > 0.0 => {
-            let largest = svd.singular_values.max();
-            let u = svd.u.unwrap_or_else(|| DMatrix::zeros(x.nrows(), 0));
-            let mut left = shape.clone();
-            for (k, _) in svd.singular_values.iter().enumerate().filter(|(_, s)| **s > 1e-6 * largest) {
-                let along = u.column(k).dot(&left.column(0));
-                left.column_mut(0).axpy(-along, &u.column(k), 1.0);
-            }
-            left
-        }
-        _ => shape,
-    };
+    let svd = x.svd(true, false);
+    let largest = svd.singular_values.max();
+    let mut left = shape.column(0).into_owned();
+    for (u, _) in
+        svd.u.iter().flat_map(|u| u.column_iter()).zip(svd.singular_values.iter()).filter(|(_, s)| **s > 1e-6 * largest)
+    {
+        let along = u.dot(&left);
+        left.axpy(-along, &u, 1.0);
+    }
     left.norm_squared() / variance
 }

@@ -64,16 +64,21 @@ pub(super) fn detection_limit(p: usize, alpha: f64) -> f64 {
     const POWER: f64 = 0.95;
     let Ok(central) = ChiSquared::new(p as f64) else { return f64::INFINITY };
     let critical = upper_quantile(&central, alpha);
+    let high = (critical.sqrt() + 2.5).powi(2) + 10.0;
+    bisected(high, 60, 1e-3, |lambda| noncentral_upper(critical, p as f64, lambda) < POWER)
+}
+
+/// Where `below` turns false between 0 and `high`, in so many halvings or to this part of its value.
+fn bisected(mut high: f64, rounds: usize, precision: f64, below: impl Fn(f64) -> bool) -> f64 {
     let mut low = 0.0;
-    let mut high = (critical.sqrt() + 2.5).powi(2) + 10.0;
-    for _ in 0..60 {
+    for _ in 0..rounds {
         let middle = 0.5 * (low + high);
-        if noncentral_upper(critical, p as f64, middle) < POWER {
+        if below(middle) {
             low = middle;
         } else {
             high = middle;
         }
-        if high - low < 1e-3 * high {
+        if high - low < precision * high {
             break;
         }
     }
@@ -82,22 +87,11 @@ pub(super) fn detection_limit(p: usize, alpha: f64) -> f64 {
 
 /// The value that a χ² variable exceeds with this probability.
 pub(super) fn upper_quantile(d: &ChiSquared, alpha: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
+    let mut high = 1.0;
     while d.sf(high) > alpha && high < 1e6 {
         high *= 2.0;
     }
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if d.sf(middle) > alpha {
-            low = middle;
-        } else {
-            high = middle;
-        }
-        if high - low < 1e-9 * high {
-            break;
-        }
-    }
-    0.5 * (low + high)
+    bisected(high, 100, 1e-9, |x| d.sf(x) > alpha)
 }
 
 /// Upper tail of the non-central χ² as a mixture of central ones with Poisson weights. The tails for `p + 2j` follow from

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::DiagnoseError;
+use super::result::NotTestable;
 use super::table::Table;
 use crate::effect::{
     ActiveEffect, Acts, Effect, EffectParameter, Extended, Perturbation, Recorded, Scan, ScanPoint, SeenThrough,
@@ -25,7 +26,8 @@ pub(super) struct Group {
     pub(super) places: Vec<Place>,
 }
 
-/// Columns of one place of a scan. Where rows are scanned, those of row 0, of which each row cuts off the beginning.
+/// Columns of the table for one place of a scan. Where rows are scanned, those of row 0, of which each row cuts off the
+/// beginning.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub(super) at: ScanPoint,
@@ -40,7 +42,7 @@ pub(super) struct Subject<'a> {
     pub(super) surroundings: Arc<Surroundings>,
     pub(super) prior: Prior,
     pub(super) groups: Vec<Group>,
-    /// Columns of all groups, and of unit displacements of the joints behind them.
+    /// Columns of the nuisance and of all groups; unit displacements of the joints stand behind them.
     pub(super) columns: usize,
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
     /// own. Empty if rows are as stated.
@@ -98,17 +100,17 @@ impl<'a> Subject<'a> {
         surroundings: Arc<Surroundings>,
         prior: Prior,
         catalogue: &[Arc<dyn Effect>],
-    ) -> (Self, Vec<(String, Vec<String>)>) {
+    ) -> (Self, Vec<NotTestable>) {
         let recorded = Recorded::of(data);
         let mut groups = Vec::new();
         let mut missing = Vec::new();
-        let mut next = 0;
+        let mut next = mechanism.parameters().len() + data.model().own_parameters().len();
         {
             let setting = Setting::new(mechanism, &surroundings);
             for effect in catalogue {
                 let lacks = effect.missing(&setting, &recorded);
                 if !lacks.is_empty() {
-                    missing.push((effect.name().to_owned(), lacks));
+                    missing.push(NotTestable { effect: effect.name().to_owned(), missing: lacks });
                     continue;
                 }
                 let parameters = effect.parameters(&setting);
@@ -205,19 +207,13 @@ impl<'a> Subject<'a> {
         let first_own = extended.parameters().len();
         let own = self.data.model().own_parameters().len();
         let nuisance = specs + own;
-        let mut a = DMatrix::zeros(m, nuisance + self.columns + self.mechanism.joints().len());
+        let mut a = DMatrix::zeros(m, self.columns + self.mechanism.joints().len());
         a.columns_mut(0, specs).copy_from(&j.columns(0, specs));
         a.columns_mut(specs, own).copy_from(&j.columns(first_own, own));
-        let (mut on_mechanism, mut on_measurement) = (specs, first_own + own);
         let mut to = nuisance;
-        for (k, effect) in everything.iter().enumerate() {
-            let from = if effect.effect.acts_on() == Acts::Mechanism { &mut on_mechanism } else { &mut on_measurement };
-            let p = effect.values.len();
-            if k >= point.effects.len() {
-                a.columns_mut(to, p).copy_from(&j.columns(*from, p));
-                to += p;
-            }
-            *from += p;
+        for from in unknowns(&everything, specs, first_own + own).into_iter().skip(point.effects.len()) {
+            a.columns_mut(to, from.len()).copy_from(&j.columns(from.start, from.len()));
+            to += from.len();
         }
         let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
         let mut table = Table {
@@ -225,7 +221,7 @@ impl<'a> Subject<'a> {
             rows: problem.sample_rows(),
             kinds: problem.row_kinds(),
             nuisance,
-            joints: nuisance + self.columns..a.ncols(),
+            joints: self.columns..a.ncols(),
             a,
             precision,
             gradient,
@@ -259,13 +255,22 @@ impl<'a> Subject<'a> {
         let specs = self.mechanism.parameters().len();
         let mut fitted = Point { values: x[..specs].to_vec(), ..point.clone() };
         let own = self.data.model().own_parameters().len();
-        let (mut on_mechanism, mut on_measurement) = (specs, extended.parameters().len() + own);
-        for effect in &mut fitted.effects {
-            let from = if effect.effect.acts_on() == Acts::Mechanism { &mut on_mechanism } else { &mut on_measurement };
-            let p = effect.values.len();
-            effect.values.copy_from_slice(&x[*from..*from + p]);
-            *from += p;
+        let places = unknowns(&point.effects, specs, extended.parameters().len() + own);
+        for (effect, place) in fitted.effects.iter_mut().zip(places) {
+            effect.values.copy_from_slice(&x[place]);
         }
         Ok(fitted)
     }
+}
+
+/// Where the values of each effect stand among the unknowns of an identification: those on the mechanism behind its
+/// parameters, those on the measurement behind its own.
+fn unknowns(effects: &[ActiveEffect], mut on_mechanism: usize, mut on_measurement: usize) -> Vec<Range<usize>> {
+    let place = |effect: &ActiveEffect| {
+        let next = if effect.effect.acts_on() == Acts::Mechanism { &mut on_mechanism } else { &mut on_measurement };
+        let place = *next..*next + effect.values.len();
+        *next = place.end;
+        place
+    };
+    effects.iter().map(place).collect()
 }

@@ -20,7 +20,7 @@ pub(super) struct Table {
     pub(super) r: DVector<f64>,
     /// First row and number of rows of each sample.
     pub(super) rows: Vec<(usize, usize)>,
-    /// What each row measures, and its σ as stated, SI.
+    /// What each row measures.
     pub(super) kinds: Vec<RowKind>,
     /// Number of nuisance columns.
     pub(super) nuisance: usize,
@@ -67,7 +67,7 @@ impl Table {
     /// no row, or whose rows are fitted to rounding, have the median of the others.
     pub(super) fn spreads_of(&self, residual: &DVector<f64>, left_out: &[usize]) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.joints.len()];
-        for (first, n) in self.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)).map(|(_, r)| *r) {
+        for (first, n) in self.kept_rows(left_out) {
             for row in first..first + n {
                 let sum = &mut sums[self.joint_of(row)];
                 *sum = (sum.0 + residual[row] * residual[row], sum.1 + 1.0);
@@ -90,7 +90,12 @@ impl Table {
         table
     }
 
-    /// Rows of the samples that are not left out.
+    /// First row and number of rows of each sample that is not left out.
+    pub(super) fn kept_rows<'t>(&'t self, left_out: &'t [usize]) -> impl Iterator<Item = (usize, usize)> + 't {
+        self.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)).map(|(_, rows)| *rows)
+    }
+
+    /// Number of rows of the samples that are not left out.
     pub(super) fn count(&self, left_out: &[usize]) -> usize {
         self.r.len() - left_out.iter().map(|k| self.rows[*k].1).sum::<usize>()
     }

@@ -55,12 +55,6 @@ const ROUNDS: usize = 1000;
 /// Joints that change by less, m or rad, have settled.
 const SETTLED: f64 = 1e-13;
 
-/// True for what describes one run and predicts no other.
-fn describes_one_run(effect: &ActiveEffect) -> bool {
-    let name = effect.effect.name();
-    name.starts_with("drift.") || name.starts_with("step.")
-}
-
 impl Compensator {
     /// For a mechanism without effects and these effects. `as_seen` if poses are asked for as the instrument sees them.
     ///
@@ -75,7 +69,7 @@ impl Compensator {
         let (left_out, used): (Vec<ActiveEffect>, Vec<ActiveEffect>) = effects
             .iter()
             .cloned()
-            .partition(|e| describes_one_run(e) || (e.effect.acts_on() == Acts::Measurement && !as_seen));
+            .partition(|e| e.effect.describes_one_run() || (e.effect.acts_on() == Acts::Measurement && !as_seen));
         let (moving, instrument): (Vec<_>, Vec<_>) =
             used.into_iter().partition(|e| e.effect.acts_on() == Acts::Mechanism);
         let inner = plain.with_values(plain.values(), plain.home())?;

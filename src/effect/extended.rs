@@ -33,6 +33,18 @@ impl ActiveEffect {
         label(self.effect.name(), &self.at)
     }
 
+    /// The effects with the next of these values, as many as each has.
+    pub fn with_values(effects: &[Self], values: impl IntoIterator<Item = f64>) -> Vec<Self> {
+        let mut next = values.into_iter();
+        let mut effects = effects.to_vec();
+        for effect in &mut effects {
+            for (value, new) in effect.values.iter_mut().zip(&mut next) {
+                *value = new;
+            }
+        }
+        effects
+    }
+
     /// Its parameters as parameters of a mechanism or of a measurement.
     pub(super) fn specs(&self, setting: &Setting<'_>) -> Vec<ParameterSpec> {
         let label = self.label();
@@ -188,18 +200,7 @@ impl Extended {
     ) -> Vec<Perturbation> {
         let setting = self.setting();
         let site = Site { setting: &setting, values: inner, joints, pose, conditions: at, joint_motion: &block.joints };
-        let mut all = Vec::with_capacity(self.specs.len() - inner.len());
-        for effect in &self.effects {
-            let mut unit = vec![0.0; effect.values.len()];
-            for k in 0..unit.len() {
-                unit[k] = 1.0;
-                let mut out = Perturbation::sized(inner.len(), joints.len());
-                effect.effect.perturb(&unit, &effect.at, &site, &mut out);
-                unit[k] = 0.0;
-                all.push(out);
-            }
-        }
-        all
+        Perturbation::per_unit(&self.effects, &site)
     }
 }
 
@@ -221,13 +222,7 @@ impl Mechanism for Extended {
             return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
         }
         let (inner, theta) = self.split(c);
-        let mut effects = self.effects.clone();
-        let mut next = theta.iter();
-        for effect in &mut effects {
-            for (value, new) in effect.values.iter_mut().zip(&mut next) {
-                *value = *new;
-            }
-        }
+        let effects = ActiveEffect::with_values(&self.effects, theta.iter().copied());
         let inner = self.inner.with_values(inner, home)?;
         let mut made = Self::new(inner, Arc::clone(&self.surroundings), effects);
         // The values that effects had in the file stay the nominal ones, and they go on measuring from the same joints.

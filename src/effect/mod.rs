@@ -91,6 +91,11 @@ pub trait Effect: Debug + Send + Sync {
         Acts::Mechanism
     }
 
+    /// True if it tells what happened in one run and predicts nothing for another: no command compensates it.
+    fn describes_one_run(&self) -> bool {
+        false
+    }
+
     /// What is missing to test it: columns of the data, entries of the mechanism file, or a property of the mechanism.
     /// Empty if it can be tested.
     fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String>;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix6xX, Vector6};
 
+use super::{ActiveEffect, Site};
 use crate::mechanism::MotionBlock;
 
 /// Changes of parameters, joints and measured pose, SI.
@@ -21,11 +22,20 @@ impl Perturbation {
         Self { parameters: vec![0.0; parameters], joints: vec![0.0; joints], pose: Vector6::zeros() }
     }
 
-    /// Sets everything to zero.
-    pub fn clear(&mut self) {
-        self.parameters.fill(0.0);
-        self.joints.fill(0.0);
-        self.pose.fill(0.0);
+    /// What each parameter of these effects does at a site, per unit.
+    pub(super) fn per_unit(effects: &[ActiveEffect], site: &Site<'_>) -> Vec<Self> {
+        let mut all = Vec::new();
+        for effect in effects {
+            let mut unit = vec![0.0; effect.values.len()];
+            for k in 0..unit.len() {
+                unit[k] = 1.0;
+                let mut out = Self::sized(site.values.len(), site.joints.len());
+                effect.effect.perturb(&unit, &effect.at, site, &mut out);
+                unit[k] = 0.0;
+                all.push(out);
+            }
+        }
+        all
     }
 
     /// The small motion of the measured pose that follows, to first order: `J_b δC + J_h δh + δq`.

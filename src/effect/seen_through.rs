@@ -63,37 +63,13 @@ impl SeenThrough {
         Ok(data.with_model(Arc::new(model)))
     }
 
-    /// The effects with these values of the own parameters.
-    pub fn located(&self, own: &[f64]) -> Vec<ActiveEffect> {
-        let mut next = own[self.inner.own_parameters().len()..].iter();
-        let mut effects = self.effects.clone();
-        for effect in &mut effects {
-            for (value, new) in effect.values.iter_mut().zip(&mut next) {
-                *value = *new;
-            }
-        }
-        effects
-    }
-
     /// Motion of the reading per unit of each parameter of the effects.
     fn units(&self, sample: usize, pose: &Pose) -> Vec<Vector6<f64>> {
         let setting = Setting::with_home(self.mechanism.as_ref(), &self.surroundings, self.home.clone());
         let Sample { joints, conditions, .. } = &self.samples[sample];
         let (values, joint_motion) = (self.mechanism.values(), &self.joint_motion);
         let site = Site { setting: &setting, values, joints, pose, conditions, joint_motion };
-        let mut out = Perturbation::sized(values.len(), joints.len());
-        let mut units = Vec::new();
-        for effect in &self.effects {
-            let mut unit = vec![0.0; effect.values.len()];
-            for k in 0..unit.len() {
-                unit[k] = 1.0;
-                out.clear();
-                effect.effect.perturb(&unit, &effect.at, &site, &mut out);
-                unit[k] = 0.0;
-                units.push(out.pose);
-            }
-        }
-        units
+        Perturbation::per_unit(&self.effects, &site).iter().map(|p| p.pose).collect()
     }
 }
 

@@ -36,14 +36,7 @@ impl Measurement {
     /// The effects on the measurement with these values of the own parameters of the data.
     pub fn located(&self, own: &[f64]) -> Vec<ActiveEffect> {
         let count = self.instrument.iter().map(|e| e.values.len()).sum();
-        let mut next = own[own.len().saturating_sub(count)..].iter();
-        let mut effects = self.instrument.clone();
-        for effect in &mut effects {
-            for (value, new) in effect.values.iter_mut().zip(&mut next) {
-                *value = *new;
-            }
-        }
-        effects
+        ActiveEffect::with_values(&self.instrument, own[own.len().saturating_sub(count)..].iter().copied())
     }
 }
 

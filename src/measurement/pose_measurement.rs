@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Rotation3, Vector3};
 
 use super::{Frames, MeasurementModel, PointReading, RowKind, Rows};
-use crate::pose::{Pose, PoseConvention, rotation_vector};
+use crate::pose::{Pose, PoseConvention, rotation_vector, wrapped_angle};
 
 /// Beyond this |β|, rad, differences of the angles no longer tell the size of a turn: one angle counts up to 1/cos β
 /// times as much.
@@ -95,12 +95,6 @@ fn rotation_vector_rates(turn: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() - 0.5 * cross + factor * cross * cross
 }
 
-/// The angle in (−π, π] that differs from `angle` by whole turns.
-fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
-}
-
 fn inverse_or_nan(m: &Matrix3<f64>) -> Matrix3<f64> {
     m.try_inverse().unwrap_or_else(|| Matrix3::repeat(f64::NAN))
 }
@@ -155,7 +149,7 @@ impl MeasurementModel for PoseMeasurement {
             }
         };
         for k in (0..3).filter(|&k| reading.measured[k + 3]) {
-            out.residual[row] = wrapped(difference[k]);
+            out.residual[row] = wrapped_angle(difference[k]);
             for c in 0..3 {
                 out.motion[(row, c)] = 0.0;
                 out.motion[(row, c + 3)] = rates[(k, c)];

@@ -9,7 +9,7 @@
 //!
 //! Nothing else can be wrong with such a positioner; what depends on temperatures or gravity are effects in pose space.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::DMatrix;
 
@@ -17,7 +17,7 @@ use super::{
     GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec, check_held,
 };
 use crate::conditions::Conditions;
-use crate::pose::{Pose, PoseConvention};
+use crate::pose::{Pose, PoseConvention, wrapped_angle};
 use crate::units::Dimension;
 
 /// A positioner whose joints are the coordinates of the pose.
@@ -84,11 +84,6 @@ impl PosePositioner {
     }
 }
 
-/// The angle in (−π, π] that differs from `angle` by whole turns.
-fn wrapped(angle: f64) -> f64 {
-    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
-}
-
 impl Mechanism for PosePositioner {
     fn name(&self) -> &str {
         &self.name
@@ -127,7 +122,7 @@ impl Mechanism for PosePositioner {
         let q = self.convention.coordinates(pose);
         for k in 0..6 {
             let off = q[k] - joints[k] - c[k];
-            out.residual[k] = if k < 3 { off } else { wrapped(off) };
+            out.residual[k] = if k < 3 { off } else { wrapped_angle(off) };
         }
         out.motion.copy_from(&self.convention.rates(pose));
         let minus = -DMatrix::identity(6, 6);

@@ -93,6 +93,12 @@ impl Default for Pose {
     }
 }
 
+/// The angle in (−π, π] that differs from `angle`, rad, by whole turns.
+pub fn wrapped_angle(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    if angle.abs() <= PI { angle } else { angle - TAU * (angle / TAU).round() }
+}
+
 /// The rotation vector of `rotation`, at most π long, accurate to rounding for the smallest turns.
 ///
 /// nalgebra's own takes the arc cosine of the trace, which loses half of the digits there.

@@ -106,7 +106,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 fn not_compensated(effect: &ActiveEffect) -> String {
     let label = effect.label();
     match effect.effect.acts_on() {
-        Acts::Measurement if effect.effect.name().starts_with("sag.") => format!(
+        Acts::Measurement if !effect.effect.describes_one_run() => format!(
             "{label} is not compensated: only the instrument sees it; with --in-tracker-frame it is, if the poses are \
              wanted as the instrument sees them"
         ),

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod campaign_limits;
+mod case;
 mod common;
 mod compensate;
 mod convert;

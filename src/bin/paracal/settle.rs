@@ -3,56 +3,39 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, anyhow, bail};
-use paracal::diagnosis::{DiagnoseError, Plan, Question, Verdict, diagnose, settle};
-use paracal::files::{CsvTable, Machine, Outputs, number};
+use anyhow::{Result, anyhow};
+use paracal::diagnosis::{Plan, Verdict, diagnose, settle};
+use paracal::files::{CsvTable, Machine, number};
 use paracal::report::{json, text};
 use paracal::units::{Dimension, Unit};
 
-use crate::common::{JointsAndPose, Ui, about, joints_and_poses, verdict};
+use crate::case::CaseArgs;
+use crate::common::{JointsAndPose, Ui, joints_and_poses, verdict};
 
 /// Arguments of `settle`.
 #[derive(clap::Args)]
 #[command(after_help = "Example: paracal settle mechanisms/table5.toml warm-up.csv -o extra.csv")]
 pub(crate) struct Args {
-    /// Mechanism file.
-    mechanism: PathBuf,
-    /// Measurement file whose causes are tied.
-    data: PathBuf,
+    #[command(flatten)]
+    case: CaseArgs,
     /// Table of the best plan to write: joints to command, poses, and the conditions to wait for.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Take the stated noise as known.
-    #[arg(long)]
-    noise_known: bool,
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.data]);
-    if let Some(path) = &args.output {
-        outputs.check(path)?;
-    }
-    let machine = ui.machine(&args.mechanism)?.without_effects()?;
-    outputs.protect(machine.inputs());
-    let measurement = ui.measurement(&args.data, &machine)?;
-    if args.noise_known && !measurement.data.noise.known {
-        bail!("--noise-known: {} states no [noise], and the data no sigma columns", args.mechanism.display());
-    }
-    let question = Question { noise_known: args.noise_known, ..Question::of(&machine, &measurement.as_read) };
+    let (case, mut outputs) = args.case.read(args.output.as_ref(), ui)?;
+    let (machine, question) = (&case.machine, case.question());
     let progress = ui.progress("looking for measurements that settle".into());
-    let named = |error| match error {
-        DiagnoseError::Identify(cause) => about(cause, &machine, &args.data, &measurement.data),
-        other => anyhow::Error::new(other).context(args.data.display().to_string()),
-    };
-    let found = diagnose(&question).map_err(named)?;
-    let plans = settle(&question, &found).map_err(named)?;
+    let found = diagnose(&question).map_err(|error| case.about(error))?;
+    let plans = settle(&question, &found).map_err(|error| case.about(error))?;
     progress.finish_and_clear();
     found.warnings.iter().for_each(|w| ui.warn(w));
     if let Some(misread) = &found.misread {
         ui.warn(&format!("the data were misread ({}): {}", misread.reading, misread.detail));
     }
     if let (Some(path), Some(best)) = (&args.output, plans.first().filter(|p| !p.samples.is_empty())) {
-        outputs.add(path, plan_table(&machine, best)?.to_text())?;
+        outputs.add(path, plan_table(machine, best)?.to_text())?;
         outputs.write()?;
     } else if let Some(path) = &args.output {
         ui.warn(&format!("{} is not written: there is no tie to settle", path.display()));

@@ -43,7 +43,7 @@ pub use thermal::{
     ThermalBase, ThermalGradient, ThermalLegSingle, ThermalLegsIndividual, ThermalLegsUniform, ThermalPlatform,
     ThermalPose,
 };
-pub use time::{DriftFrame, DriftLeg, StepFrame, StepLeg};
+pub use time::{Course, FrameMoves, LegMoves};
 
 use nalgebra::{Vector3, Vector6};
 
@@ -72,10 +72,10 @@ pub fn catalogue() -> Vec<Arc<dyn Effect>> {
         Arc::new(SagLinear),
         Arc::new(PivotShift),
         Arc::new(ScrewCoupling),
-        Arc::new(DriftFrame),
-        Arc::new(DriftLeg),
-        Arc::new(StepFrame),
-        Arc::new(StepLeg),
+        Arc::new(FrameMoves(Course::Drift)),
+        Arc::new(LegMoves(Course::Drift)),
+        Arc::new(FrameMoves(Course::Step)),
+        Arc::new(LegMoves(Course::Step)),
     ]
 }
 

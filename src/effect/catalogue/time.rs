@@ -6,51 +6,72 @@
 
 use nalgebra::Vector3;
 
-use super::{describe, move_frame};
+use super::move_frame;
 use crate::effect::{Acts, Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
 use crate::units::Dimension;
 
+/// How something goes on through the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// Evenly, from 0 at the first row to 1 at the last.
+    Drift,
+    /// At once, from 0 to 1 at a row.
+    Step,
+}
+
+impl Course {
+    /// How far it has gone at a sample; `None` outside of a run and before a step.
+    fn part(self, at: &ScanPoint, site: &Site<'_>) -> Option<f64> {
+        let run = site.conditions.run.as_ref()?;
+        match self {
+            Self::Drift => Some(run.part),
+            Self::Step => (run.row >= at.row.unwrap_or(0)).then_some(1.0),
+        }
+    }
+}
+
 fn needs_run(recorded: &Recorded) -> Vec<String> {
     if recorded.run { Vec::new() } else { vec!["rows in the order of measuring".into()] }
-}
-
-fn rigid() -> Vec<EffectParameter> {
-    let of = |(k, name): (usize, &&str)| {
-        let dimension = if k < 3 { Dimension::Length } else { Dimension::Angle };
-        EffectParameter::new(*name, dimension, 1e-5)
-    };
-    ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
-}
-
-/// A part of a rigid motion with these six values.
-fn move_part(theta: &[f64], part: f64, site: &Site<'_>, out: &mut Perturbation) {
-    let shift = Vector3::new(theta[0], theta[1], theta[2]) * part;
-    move_frame(shift, Vector3::new(theta[3], theta[4], theta[5]) * part, site, out);
-}
-
-/// True from the row of the scan on.
-fn after(at: &ScanPoint, site: &Site<'_>) -> bool {
-    let row = at.row.unwrap_or(0);
-    site.conditions.run.as_ref().is_some_and(|run| run.row >= row)
 }
 
 fn time() -> Vec<String> {
     vec!["time".into()]
 }
 
-/// The frame of the instrument drifts.
+/// The frame of the instrument drifts or jumps: six parameters of a rigid motion about the origin of the base.
 #[derive(Clone, Copy, Debug)]
-pub struct DriftFrame;
+pub struct FrameMoves(pub Course);
 
-impl Effect for DriftFrame {
-    describe!(
-        "drift.frame",
-        "the frame of the instrument drifts through the run: a tracker or a stand that moves",
-        "measure one reference pose again every ten samples, and let the instrument warm up"
-    );
+impl Effect for FrameMoves {
+    fn name(&self) -> &str {
+        match self.0 {
+            Course::Drift => "drift.frame",
+            Course::Step => "step.frame",
+        }
+    }
+
+    fn cause(&self) -> &str {
+        match self.0 {
+            Course::Drift => "the frame of the instrument drifts through the run: a tracker or a stand that moves",
+            Course::Step => {
+                "the frame of the instrument jumped between two rows: somebody touched the tracker or the target"
+            }
+        }
+    }
+
+    fn remedy(&self) -> &str {
+        match self.0 {
+            Course::Drift => "measure one reference pose again every ten samples, and let the instrument warm up",
+            Course::Step => "register the instrument again, or split the file at that row",
+        }
+    }
 
     fn acts_on(&self) -> Acts {
         Acts::Measurement
+    }
+
+    fn describes_one_run(&self) -> bool {
+        true
     }
 
     fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
@@ -58,130 +79,95 @@ impl Effect for DriftFrame {
     }
 
     fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
-        rigid()
+        let of = |(k, name): (usize, &&str)| {
+            let dimension = if k < 3 { Dimension::Length } else { Dimension::Angle };
+            EffectParameter::new(*name, dimension, 1e-5)
+        };
+        ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
+    }
+
+    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+        match self.0 {
+            Course::Drift => Scan::None,
+            Course::Step => Scan::Rows,
+        }
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
         time()
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some(run) = &site.conditions.run {
-            move_part(theta, run.part, site, out);
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some(part) = self.0.part(at, site) {
+            let shift = Vector3::new(theta[0], theta[1], theta[2]) * part;
+            move_frame(shift, Vector3::new(theta[3], theta[4], theta[5]) * part, site, out);
         }
     }
 }
 
-/// The length of one leg drifts.
+/// One leg creeps or jumps: one parameter, its coordinate at the end.
 #[derive(Clone, Copy, Debug)]
-pub struct DriftLeg;
+pub struct LegMoves(pub Course);
 
-impl Effect for DriftLeg {
-    describe!(
-        "drift.leg",
-        "one leg creeps through the run: its encoder, its brake or its warming motor",
-        "look at the encoder and the brake of that leg; home it again and repeat the run"
-    );
+impl Effect for LegMoves {
+    fn name(&self) -> &str {
+        match self.0 {
+            Course::Drift => "drift.leg",
+            Course::Step => "step.leg",
+        }
+    }
+
+    fn cause(&self) -> &str {
+        match self.0 {
+            Course::Drift => "one leg creeps through the run: its encoder, its brake or its warming motor",
+            Course::Step => "one leg jumped between two rows: a coupling slipped, or it was homed again",
+        }
+    }
+
+    fn remedy(&self) -> &str {
+        match self.0 {
+            Course::Drift => "look at the encoder and the brake of that leg; home it again and repeat the run",
+            Course::Step => "tighten the coupling of that leg, home it, and split the file at that row",
+        }
+    }
+
+    fn describes_one_run(&self) -> bool {
+        true
+    }
 
     fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
         needs_run(recorded)
     }
 
     fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        vec![EffectParameter::new("drift", setting.mechanism.joints()[0].dimension, 1e-5)]
+        let name = match self.0 {
+            Course::Drift => "drift",
+            Course::Step => "step",
+        };
+        vec![EffectParameter::new(name, setting.mechanism.joints()[0].dimension, 1e-5)]
     }
 
     fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
-        Scan::Legs
+        match self.0 {
+            Course::Drift => Scan::Legs,
+            Course::Step => Scan::LegsAndRows,
+        }
     }
 
     fn special_case_of(&self) -> &[&str] {
-        &["drift.frame"]
-    }
-
-    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        time()
-    }
-
-    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let (Some(run), Some(leg)) = (&site.conditions.run, at.leg) {
-            out.joints[leg] += theta[0] * run.part;
+        match self.0 {
+            Course::Drift => &["drift.frame"],
+            Course::Step => &["step.frame"],
         }
     }
-}
-
-/// The frame of the instrument jumps.
-#[derive(Clone, Copy, Debug)]
-pub struct StepFrame;
-
-impl Effect for StepFrame {
-    describe!(
-        "step.frame",
-        "the frame of the instrument jumped between two rows: somebody touched the tracker or the target",
-        "register the instrument again, or split the file at that row"
-    );
-
-    fn acts_on(&self) -> Acts {
-        Acts::Measurement
-    }
-
-    fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        needs_run(recorded)
-    }
-
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
-        rigid()
-    }
-
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
-        Scan::Rows
-    }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
         time()
     }
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if after(at, site) {
-            move_part(theta, 1.0, site, out);
-        }
-    }
-}
-
-/// The length of one leg jumps.
-#[derive(Clone, Copy, Debug)]
-pub struct StepLeg;
-
-impl Effect for StepLeg {
-    describe!(
-        "step.leg",
-        "one leg jumped between two rows: a coupling slipped, or it was homed again",
-        "tighten the coupling of that leg, home it, and split the file at that row"
-    );
-
-    fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        needs_run(recorded)
-    }
-
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        vec![EffectParameter::new("step", setting.mechanism.joints()[0].dimension, 1e-5)]
-    }
-
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
-        Scan::LegsAndRows
-    }
-
-    fn special_case_of(&self) -> &[&str] {
-        &["step.frame"]
-    }
-
-    fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        time()
-    }
-
-    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let (Some(leg), true) = (at.leg, after(at, site)) {
-            out.joints[leg] += theta[0];
+        if let (Some(part), Some(leg)) = (self.0.part(at, site), at.leg) {
+            out.joints[leg] += theta[0] * part;
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The diagnosis in words.
 
+use super::settlement::limit_table;
 use super::{errors_row, table};
 use crate::diagnosis::{Cause, Diagnosis, Unknown, Verdict};
 use crate::effect::Acts;
@@ -183,13 +184,8 @@ fn errors_text(d: &Diagnosis) -> String {
 fn lists(d: &Diagnosis) -> String {
     let mut text = String::new();
     if !d.not_found.is_empty() {
-        let rows: Vec<Vec<String>> = d
-            .not_found
-            .iter()
-            .map(|n| vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)])
-            .collect();
         text += "\nlooked for and not found; this size would have been seen with 95 % probability:\n";
-        text += &table(&["effect", "parameter", "limit"], &rows);
+        text += &limit_table(&d.not_found);
     }
     if !d.not_testable.is_empty() {
         text += "\nnot testable with these data:\n";

@@ -66,14 +66,15 @@ pub fn campaign_limits(c: &CampaignLimits) -> String {
     )
 }
 
+/// Effects with the sizes that would be seen.
+pub(super) fn limit_table(limits: &[NotFound]) -> String {
+    let row = |n: &NotFound| vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)];
+    table(&["effect", "parameter", "limit"], &limits.iter().map(row).collect::<Vec<_>>())
+}
+
 /// The limits of effects, and what others miss.
 pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> String {
-    let rows: Vec<Vec<String>> = limits
-        .iter()
-        .map(|n| vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)])
-        .collect();
-    let mut text = "seen with 95 % probability from this size on:\n".to_owned();
-    text += &table(&["effect", "parameter", "limit"], &rows);
+    let mut text = format!("seen with 95 % probability from this size on:\n{}", limit_table(limits));
     if !missing.is_empty() {
         text += "\nnot testable with this campaign:\n";
         for n in missing {
