@@ -45,9 +45,10 @@
 //! | [`identification`] | the trait [`identification::Identifier`] and [`identification::calibrate`] |
 //! | [`selection`] | the trait [`selection::PoseSelector`], candidates, the certified bound |
 //! | [`diagnosis`] | what the model gets wrong, and why: [`diagnosis::diagnose`] |
-//! | [`simulation`] | true mechanisms, noise, Monte Carlo |
+//! | [`simulation`] | true mechanisms, noise, Monte Carlo, work that survives a stop |
 //! | [`files`] | mechanism files (TOML, URDF), measurements and pose lists (CSV) |
-//! | [`report`] | results as text and JSON |
+//! | [`report`] | results as text, JSON and charts |
+//! | [`reproduction`] | the tables and figures of the paper, and what of them holds |
 //! | `conformance` | test suites for mechanisms, measurements, identifiers, indices and selectors (feature `conformance`) |
 //!
 //! # An example
@@ -83,6 +84,7 @@ pub mod mechanism;
 pub mod observability;
 pub mod pose;
 pub mod report;
+pub mod reproduction;
 pub mod selection;
 pub mod simulation;
 pub mod solve;

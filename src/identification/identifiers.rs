@@ -1,5 +1,7 @@
 //! The trait of identifiers, the two plain ones, and the registry.
 
+use nalgebra::DMatrix;
+
 use super::problem::{CalibrationProblem, Weights};
 use super::weak_directions::DataSpectrum;
 use super::{Identification, IdentifyError, Prior, PriorPolicy, Robust, Task};
@@ -22,6 +24,16 @@ pub trait Identifier: Send + Sync {
     /// # Errors
     /// [`IdentifyError`]; a result is only returned after convergence.
     fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError>;
+
+    /// The parameters of the mechanism alone, in the order of the mechanism, SI: the same as those of
+    /// [`identify`](Self::identify), without covariance and misfit. For simulations that repeat a calibration by the
+    /// thousand.
+    ///
+    /// # Errors
+    /// As [`identify`](Self::identify).
+    fn values(&self, task: &Task<'_>) -> Result<Vec<f64>, IdentifyError> {
+        Ok(self.identify(task)?.mechanism_values())
+    }
 }
 
 /// The paper's iteration (section 4.1): Gauss–Newton on the stacked error model until the step is negligible.
@@ -62,9 +74,22 @@ impl Identifier for LeastSquares {
     }
 
     fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
-        let method = if self.builtin { LeastSquaresMethod::ArgminGaussNewton } else { LeastSquaresMethod::GaussNewton };
-        let options = LeastSquaresOptions { linear: LinearMethod::Qr, max_iterations: 50, ..Default::default() };
+        let (method, options) = self.settings();
         identify(task, method, &options)
+    }
+
+    fn values(&self, task: &Task<'_>) -> Result<Vec<f64>, IdentifyError> {
+        let (method, options) = self.settings();
+        // The faster steps end with one by QR, so that the values are the same to rounding.
+        let options = LeastSquaresOptions { linear: LinearMethod::default(), ..options };
+        values(task, method, &options).map_or_else(|| Ok(self.identify(task)?.mechanism_values()), Ok)
+    }
+}
+
+impl LeastSquares {
+    fn settings(&self) -> (LeastSquaresMethod, LeastSquaresOptions) {
+        let method = if self.builtin { LeastSquaresMethod::ArgminGaussNewton } else { LeastSquaresMethod::GaussNewton };
+        (method, LeastSquaresOptions { linear: LinearMethod::Qr, max_iterations: 50, ..Default::default() })
     }
 }
 
@@ -76,6 +101,36 @@ impl Identifier for LevenbergMarquardt {
     fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
         identify(task, LeastSquaresMethod::LevenbergMarquardt, &self.options)
     }
+
+    fn values(&self, task: &Task<'_>) -> Result<Vec<f64>, IdentifyError> {
+        let found = values(task, LeastSquaresMethod::LevenbergMarquardt, &self.options);
+        found.map_or_else(|| Ok(self.identify(task)?.mechanism_values()), Ok)
+    }
+}
+
+/// The parameters of a task that needs no prior and no second look at the noise: the plain case, without singular
+/// values. `None` if it is another, or if the run does not converge.
+fn values(task: &Task<'_>, method: LeastSquaresMethod, options: &LeastSquaresOptions) -> Option<Vec<f64>> {
+    let n = task.mechanism.parameters().len();
+    let unknowns = n + task.data.model().own_parameters().len();
+    if task.prior != PriorPolicy::None || task.data.row_count() < unknowns || task.mechanism.equations() > 6 {
+        return None;
+    }
+    let mut problem = CalibrationProblem::new(task, None, 1.0).ok()?;
+    let start = problem.start();
+    let solution = least_squares(&mut problem, start, method, options).ok()?;
+    determined(&solution.jacobian).then(|| solution.x.as_slice()[..n].to_vec())
+}
+
+/// True if no direction is without rows: the Gram matrix of the columns, scaled to length one, has no vanishing pivot.
+fn determined(jacobian: &DMatrix<f64>) -> bool {
+    /// Pivots of directions without rows are those of rounding.
+    const LEAST: f64 = 1e-11;
+    let mut scaled = jacobian.clone();
+    scaled.column_iter_mut().for_each(|mut c| c.unscale_mut(c.norm().max(f64::MIN_POSITIVE)));
+    (scaled.transpose() * &scaled)
+        .cholesky()
+        .is_some_and(|c| c.l_dirty().diagonal().iter().all(|pivot| pivot * pivot > LEAST))
 }
 
 /// A step of this many σ, all parameters together, is none.
@@ -173,4 +228,47 @@ pub fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, 
     }
     let unseen = spectrum.unseen();
     Ok(unseen.map(|directions| Prior::holding(task.mechanism, &spectrum.scale, &directions)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::Machine;
+    use crate::mechanism::Workspace;
+    use crate::simulation::{as_dataset, draw_parameters, simulate, stream};
+
+    #[test]
+    fn values_alone_are_those_of_an_identification() {
+        let machine = Machine::read(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml")).unwrap();
+        let (nominal, noise) = (machine.mechanism.as_ref(), machine.noise.unwrap());
+        let Workspace { convention, .. } = machine.workspace.unwrap();
+        let mut rng = stream(5, 0);
+        for poses in [7, 20] {
+            let poses: Vec<_> = (0..poses).map(|_| machine.workspace.unwrap().random(&mut rng)).collect();
+            let truth = nominal.with_values(&draw_parameters(nominal, None, &mut rng), nominal.home()).unwrap();
+            let samples = simulate(nominal, truth.as_ref(), &poses, &convention, &noise, &mut rng).unwrap();
+            let data = as_dataset(&samples, &convention, &noise);
+            for prior in [PriorPolicy::None, PriorPolicy::Auto] {
+                for name in IDENTIFIERS {
+                    let identifier = identifier(name).unwrap();
+                    let task = Task { prior, ..Task::new(nominal, &data) };
+                    let (all, alone) = (identifier.identify(&task).unwrap(), identifier.values(&task).unwrap());
+                    for (p, value) in all.parameters.iter().zip(alone) {
+                        let sigma = p.sigma.unwrap();
+                        assert!((p.value - value).abs() < 1e-4 * sigma, "{name}: {} {value}", p.spec.name);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn directions_without_rows_are_seen_by_pivots() {
+        let full = DMatrix::from_fn(12, 5, |i, j| ((i * 7 + j * 13) % 11) as f64 + if i == j { 20.0 } else { 0.0 });
+        assert!(determined(&full));
+        let mut blind = full.clone();
+        let sum = full.column(0) * 3.0 - full.column(3);
+        blind.set_column(4, &sum);
+        assert!(!determined(&blind));
+    }
 }

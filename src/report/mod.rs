@@ -1,6 +1,8 @@
 //! Results as people and programs read them; nothing is computed here.
 //!
-//! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on.
+//! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on, [`chart`]
+//! pictures as SVG.
 
+pub mod chart;
 pub mod json;
 pub mod text;

@@ -1,175 +1,30 @@
-//! Mechanisms with known errors, and what a tracker would measure of them.
+//! Mechanisms with known errors, what a tracker would measure of them, and calibrations by the thousand.
 //!
 //! The generator shares no formula with the identification: it commands the lengths of the *nominal* inverse
 //! kinematics, solves the full forward kinematics of the *true* mechanism, and adds noise to the coordinates
 //! (section 4.1, steps 1 and 2). The identification works with columns of Jacobians.
 //!
-//! Randomness comes in as a seeded generator. [`monte_carlo`] gives each draw a stream of its own, so that
-//! results are the same on any number of threads.
+//! | part | does |
+//! |---|---|
+//! | [`simulate`], [`simulate_run`] | one measured campaign of a mechanism with errors |
+//! | [`Trial`] | a whole calibration: simulate, identify, and see where the calibrated model leads |
+//! | [`monte_carlo`], [`summarise`] | repeat anything with a random stream of its own for each draw |
+//! | [`Running`] | mean, spread and extremes of numbers that come one by one |
+//! | [`Journal`] | work in units that survive a stop: what was done is read and not done again |
+//!
+//! Randomness comes in as a seeded generator. A draw has the stream of its number, and blocks of draws are joined in
+//! their order, so that results are the same, to the last bit, on any number of threads.
 
-use std::sync::Arc;
+mod generator;
+mod journal;
+mod monte_carlo;
+mod running;
+mod trial;
 
-use rand::rngs::ChaCha8Rng;
-use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
-
-use crate::conditions::Conditions;
-use crate::effect::{ActiveEffect, Setting, seen};
-use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
-use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
-use crate::pose::{Pose, PoseConvention};
-use crate::units::Dimension;
-
-/// One simulated sample.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SimulatedSample {
-    /// Joints as they are recorded: commanded, or read where more joints than the pose needs settle among each other;
-    /// with reading noise if there is any.
-    pub joints: Vec<f64>,
-    /// Where the true mechanism went.
-    pub truth: Pose,
-    /// Where the instrument sees it, without noise.
-    pub seen: Pose,
-    /// Measured coordinates, m and rad.
-    pub measured: [f64; 6],
-}
-
-/// A normal number with standard deviation `sd`.
-fn normal<R: Rng + ?Sized>(rng: &mut R, sd: f64) -> f64 {
-    let z: f64 = StandardNormal.sample(rng);
-    sd * z
-}
-
-/// Parameters of a mechanism with a normal error on each: of standard deviation `sd` (m) for lengths and `sd` over the
-/// [`characteristic_length`] for angles; of its tolerance for other dimensions and where `sd` is `None` (none where it
-/// has no tolerance).
-pub fn draw_parameters<R: Rng + ?Sized>(mechanism: &dyn Mechanism, sd: Option<f64>, rng: &mut R) -> Vec<f64> {
-    let size = characteristic_length(mechanism);
-    let drawn = |(spec, value): (&ParameterSpec, &f64)| {
-        let asked = match spec.dimension {
-            Dimension::Length => sd,
-            Dimension::Angle => sd.map(|sd| sd / size),
-            _ => None,
-        };
-        value + normal(rng, asked.or(spec.tolerance).unwrap_or(0.0))
-    };
-    mechanism.parameters().iter().zip(mechanism.values()).map(drawn).collect()
-}
-
-/// Commands each pose by the nominal mechanism, lets the true one go there, and measures.
-///
-/// # Errors
-/// Index of the pose and [`KinematicsError`] if the nominal mechanism has no joints for it, or the true one no
-/// pose for the joints.
-pub fn simulate<R: Rng + ?Sized>(
-    nominal: &dyn Mechanism,
-    truth: &dyn Mechanism,
-    poses: &[Pose],
-    convention: &PoseConvention,
-    noise: &Noise,
-    rng: &mut R,
-) -> Result<Vec<SimulatedSample>, (usize, KinematicsError)> {
-    let run: Vec<Command> = poses.iter().map(|p| Command { pose: *p, state: Conditions::unknown() }).collect();
-    simulate_run(nominal, truth, &run, None, convention, noise, rng)
-}
-
-/// A pose to command, and the state in which it is measured.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Command {
-    /// The pose.
-    pub pose: Pose,
-    /// What is true meanwhile; its place in the run is filled in.
-    pub state: Conditions,
-}
-
-/// Effects on the measurement, and what they measure from.
-#[derive(Clone, Copy, Debug)]
-pub struct Instrument<'a> {
-    /// The nominal mechanism and what stands around it.
-    pub setting: &'a Setting<'a>,
-    /// The effects; those that act on the mechanism are left out.
-    pub effects: &'a [ActiveEffect],
-}
-
-/// The same for a run, one row after the other, in states that the true mechanism may depend on, and seen through an
-/// instrument. The first row is approached from the home of the nominal mechanism.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn simulate_run<R: Rng + ?Sized>(
-    nominal: &dyn Mechanism,
-    truth: &dyn Mechanism,
-    run: &[Command],
-    instrument: Option<&Instrument<'_>>,
-    convention: &PoseConvention,
-    noise: &Noise,
-    rng: &mut R,
-) -> Result<Vec<SimulatedSample>, (usize, KinematicsError)> {
-    let commands: Vec<Vec<f64>> = run
-        .iter()
-        .enumerate()
-        .map(|(k, c)| nominal.inverse(nominal.values(), &c.pose, &Conditions::unknown()).map_err(|e| (k, e)))
-        .collect::<Result<_, _>>()?;
-    let home = nominal.inverse(nominal.values(), &nominal.home(), &Conditions::unknown()).ok();
-    let mut states: Vec<Conditions> = run.iter().map(|c| c.state.clone()).collect();
-    Conditions::put_in_run(&mut states, commands.clone(), home.as_deref());
-    let mut samples = Vec::with_capacity(run.len());
-    for (k, ((Command { pose, .. }, mut joints), at)) in run.iter().zip(commands).zip(&states).enumerate() {
-        let went = truth.forward(truth.values(), &joints, at, pose).map_err(|e| (k, e))?;
-        if truth.equations() > 6 {
-            // More joints than the pose needs cannot all follow their commands: readings are those of the pose that was
-            // reached.
-            joints = truth.inverse(truth.values(), &went, at).map_err(|e| (k, e))?;
-        }
-        let seen = instrument.map_or(went, |i| seen(i.effects, i.setting, &joints, &went, at));
-        let mut measured = convention.coordinates(&seen);
-        for (c, value) in measured.iter_mut().enumerate() {
-            *value += normal(rng, if c < 3 { noise.position } else { noise.rotation });
-        }
-        if noise.joint > 0.0 {
-            for joint in &mut joints {
-                *joint += normal(rng, noise.joint);
-            }
-        }
-        samples.push(SimulatedSample { joints, truth: went, seen, measured });
-    }
-    Ok(samples)
-}
-
-/// Heights over a plane that are measured where the instrument sees the platform, m.
-pub fn measured_heights<R: Rng + ?Sized>(
-    samples: &[SimulatedSample],
-    contact: &Contact,
-    noise: &Noise,
-    rng: &mut R,
-) -> Vec<f64> {
-    let height = |s: &SimulatedSample| contact.plane.height(&s.seen.place(&contact.tip)) + normal(rng, noise.position);
-    samples.iter().map(height).collect()
-}
-
-/// The simulated samples as full poses with this noise.
-pub fn as_dataset(samples: &[SimulatedSample], convention: &PoseConvention, noise: &Noise) -> Dataset {
-    let (p, r) = (noise.position, noise.rotation);
-    let sigma = [p, p, p, r, r, r];
-    let readings = samples.iter().map(|s| PoseReading { values: s.measured, measured: [true; 6], sigma }).collect();
-    let listed = samples
-        .iter()
-        .enumerate()
-        .map(|(row, s)| Sample { row, joints: s.joints.clone(), ..Sample::default() })
-        .collect();
-    Dataset::new(listed, Arc::new(PoseMeasurement::new(*convention, readings)), *noise)
-}
-
-/// Runs `draw` for each number below `draws`, in parallel, each with a random stream of its own; results come in
-/// order.
-pub fn monte_carlo<T: Send>(draws: u64, seed: u64, draw: impl Fn(u64, &mut ChaCha8Rng) -> T + Sync) -> Vec<T> {
-    (0..draws)
-        .into_par_iter()
-        .map(|k| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(k);
-            draw(k, &mut rng)
-        })
-        .collect()
-}
+pub use generator::{
+    Command, Instrument, SimulatedSample, as_dataset, draw_parameters, measured_heights, simulate, simulate_run,
+};
+pub use journal::{Journal, JournalError};
+pub use monte_carlo::{monte_carlo, stream, summarise};
+pub use running::Running;
+pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

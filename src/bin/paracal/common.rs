@@ -111,6 +111,16 @@ impl Steps {
         bar.set_position(done as u64 + 1);
     }
 
+    /// The same for work that comes in several parts.
+    pub(crate) fn work(&self, message: &str, done: usize, total: usize) {
+        if self.bar.message() != message {
+            self.say(message);
+        }
+        if total > 0 {
+            self.set(done.saturating_sub(1), total);
+        }
+    }
+
     /// Clears the line.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();

@@ -10,6 +10,7 @@ mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
+mod reproduce;
 mod select;
 mod settle;
 mod simulate;
@@ -64,6 +65,8 @@ enum Command {
     Compensate(compensate::Args),
     /// The same mechanism as URDF or as TOML.
     Convert(convert::Args),
+    /// Tables and figures of Yu, Wu, Wang 2023, and what of them holds.
+    Reproduce(reproduce::Args),
 }
 
 fn main() -> ExitCode {
@@ -87,6 +90,7 @@ fn main() -> ExitCode {
         Command::Evaluate(args) => evaluate::run(args, &ui),
         Command::Compensate(args) => compensate::run(args, &ui),
         Command::Convert(args) => convert::run(args, &ui),
+        Command::Reproduce(args) => reproduce::run(args, &ui),
     };
     match done {
         Ok(code) => code,

@@ -1,0 +1,48 @@
+//! The ranges of the data of a panel along its axes.
+
+use super::axis::Extent;
+use super::{Axis, Panel, Series, Shape};
+
+/// Whether a series belongs to the axis on the right.
+pub(super) fn on_right(panel: &Panel, series: &Series) -> bool {
+    series.right && panel.right.is_some()
+}
+
+/// Range of y of the series on one side, with the horizontal rules on the left.
+pub(super) fn y_extent(panel: &Panel, axis: &Axis, right: bool) -> Extent {
+    let mut extent = Extent::new(axis);
+    let x_views = Extent::new(&panel.x);
+    for series in panel.series.iter().filter(|s| on_right(panel, s) == right) {
+        for (i, [_, y]) in series.points.iter().enumerate().filter(|(_, p)| x_views.takes(p[0])) {
+            extent.add(*y);
+            match &series.shape {
+                Shape::Bars { .. } => extent.add_foot(*y),
+                Shape::ErrorBars { ends } => ends.get(i).into_iter().flatten().for_each(|v| extent.add(*v)),
+                Shape::Band { lower } => lower.get(i).into_iter().for_each(|v| extent.add(*v)),
+                _ => {}
+            }
+        }
+    }
+    if !right {
+        panel.rules.iter().filter(|r| r.horizontal).for_each(|r| extent.add(r.at));
+    }
+    extent
+}
+
+/// Range of x of all series and the vertical rules.
+pub(super) fn x_extent(panel: &Panel) -> Extent {
+    let mut extent = Extent::new(&panel.x);
+    for series in &panel.series {
+        for [x, _] in &series.points {
+            extent.add(*x);
+            if let Shape::Bars { width } = series.shape
+                && width.is_finite()
+            {
+                extent.add(x - width.abs() / 2.0);
+                extent.add(x + width.abs() / 2.0);
+            }
+        }
+    }
+    panel.rules.iter().filter(|r| !r.horizontal).for_each(|r| extent.add(r.at));
+    extent
+}

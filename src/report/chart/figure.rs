@@ -1,0 +1,125 @@
+//! Layout of a figure: title, legend, rows of panels.
+
+use super::legend::{Entry, Legend, entries};
+use super::number::wrap;
+use super::panel::{Frame, Layout, Sides};
+use super::svg::{Anchor, Canvas, Font};
+use super::{Figure, Panel, Shape};
+
+const TITLE: Font = Font { bold: true, ..Font::new(18.0, "t", Anchor::Start) };
+const MARGIN: f64 = 16.0;
+const GAP: f64 = 30.0;
+/// Plots narrower than this are not drawn; the figure gets fewer columns instead.
+const NARROWEST: f64 = 130.0;
+
+/// An id prefix from the content (FNV-1a), so that different figures have different prefixes.
+pub(super) fn default_id(figure: &Figure) -> String {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for byte in format!("{figure:?}").bytes() {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+    format!("chart{:08x}", (hash ^ (hash >> 32)) & 0xffff_ffff)
+}
+
+/// Draws the figure.
+pub(super) fn compose(figure: &Figure, id: &str) -> Canvas {
+    let columns = figure.columns.clamp(1, figure.panels.len().clamp(1, 6));
+    let mut grid = Grid::new(&figure.panels, columns);
+    while grid.columns > 1 && grid.plot_widths().any(|w| w < NARROWEST) {
+        grid = Grid::new(&figure.panels, grid.columns - 1);
+    }
+    let mut canvas = Canvas::new(id, grid.width);
+    let inner = grid.width - 2.0 * MARGIN;
+    let marked = figure.panels.iter().any(several_lines);
+    let shared = shared_legend(&figure.panels);
+
+    let mut y = MARGIN;
+    let title = canvas.lines(&TITLE, MARGIN, y, &wrap(&figure.title, TITLE.size, true, inner));
+    y += title + if title > 0.0 { 8.0 } else { 0.0 };
+    if let Some(entries) = &shared {
+        let legend = Legend::flow(entries, inner);
+        legend.draw(&mut canvas, MARGIN, y, marked);
+        y += legend.height + if legend.height > 0.0 { 12.0 } else { 0.0 };
+    }
+    let (columns, frames, height) = (grid.columns, grid.frames(), grid.plot_height);
+    let mut sides = grid.sides.into_iter();
+    for row in figure.panels.chunks(columns) {
+        let layouts: Vec<Layout<'_>> = row
+            .iter()
+            .zip(&frames)
+            .zip(sides.by_ref().take(row.len()))
+            .map(|((panel, frame), sides)| {
+                let own = if shared.is_some() { Vec::new() } else { entries(panel) };
+                Layout::new(panel, *frame, sides, &own)
+            })
+            .collect();
+        let header = layouts.iter().map(Layout::header).fold(0.0, f64::max);
+        let footer = layouts.iter().map(Layout::footer).fold(0.0, f64::max);
+        for layout in &layouts {
+            layout.draw(&mut canvas, y, header, height, marked);
+        }
+        y += header + height + footer + GAP - 8.0;
+    }
+    canvas.height = if figure.panels.is_empty() { y + MARGIN } else { y - GAP + 8.0 + MARGIN };
+    canvas
+}
+
+/// The common legend, if all panels with a legend have the same one.
+fn shared_legend(panels: &[Panel]) -> Option<Vec<Entry>> {
+    let mut all = panels.iter().map(entries).filter(|e| !e.is_empty());
+    let first = all.next()?;
+    all.all(|e| e == first).then_some(first)
+}
+
+/// Whether a panel has lines of different colours, which then need markers.
+fn several_lines(panel: &Panel) -> bool {
+    let line = |s: &&super::Series| matches!(s.shape, Shape::Line | Shape::Dashed | Shape::LineWithDots);
+    let mut colours = panel.series.iter().filter(line).map(|s| s.colour);
+    colours.next().is_some_and(|first| colours.any(|c| c != first))
+}
+
+/// The columns of a figure.
+#[derive(Debug)]
+struct Grid {
+    columns: usize,
+    width: f64,
+    plot_height: f64,
+    sides: Vec<Sides>,
+    /// Room for the tick labels on both sides of each column.
+    rooms: Vec<(f64, f64)>,
+}
+
+impl Grid {
+    fn new(panels: &[Panel], columns: usize) -> Self {
+        let plot_height = match columns {
+            1 => 360.0,
+            2 => 260.0,
+            _ => 210.0,
+        };
+        let sides: Vec<Sides> = panels.iter().map(|p| Sides::new(p, plot_height)).collect();
+        let mut rooms = vec![(0.0_f64, 0.0_f64); columns];
+        for row in sides.chunks(columns) {
+            for (room, side) in rooms.iter_mut().zip(row) {
+                *room = (room.0.max(side.room.0), room.1.max(side.room.1));
+            }
+        }
+        Self { columns, width: if columns == 1 { 880.0 } else { 1200.0 }, plot_height, sides, rooms }
+    }
+
+    fn panel_width(&self) -> f64 {
+        (self.width - 2.0 * MARGIN - (self.columns - 1) as f64 * GAP) / self.columns as f64
+    }
+
+    fn plot_widths(&self) -> impl Iterator<Item = f64> {
+        self.rooms.iter().map(|(left, right)| self.panel_width() - left - right)
+    }
+
+    fn frames(&self) -> Vec<Frame> {
+        let width = self.panel_width();
+        let frame = |(i, (left, right)): (usize, &(f64, f64))| {
+            let x = MARGIN + i as f64 * (width + GAP);
+            Frame { x, width, plot_x: x + left, plot_width: width - left - right }
+        };
+        self.rooms.iter().enumerate().map(frame).collect()
+    }
+}

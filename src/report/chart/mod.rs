@@ -1,0 +1,179 @@
+//! Charts as self-contained SVG.
+//!
+//! A [`Figure`] is one picture of one or more [`Panel`]s. Each panel has an x axis, a y axis and, if wanted, a second
+//! y axis on the right; on these it draws [`Series`] (lines, dots, bars, error bars, bands) and labelled reference
+//! lines ([`Rule`]). The text of the picture is returned as a string, to be stored as a file or put into a page.
+//!
+//! Design rules:
+//!
+//! * **Nothing is hidden by accident.**  All texts are laid out with a generous estimate of their widths: titles,
+//!   legends and axis labels wrap, tick labels are thinned until they fit. No text runs out of the picture or over
+//!   another one.
+//! * **Not by colour alone.**  The palette is safe for colour-blind readers and has sufficient contrast on the light
+//!   and on the dark background; in addition the series differ by the shape of their markers. Filled markers are data
+//!   points, hollow ones only tell lines apart.
+//! * **Any data gives a picture.**  Values that cannot be drawn (not finite, beyond 1e300, not positive on a log axis)
+//!   are left out and interrupt a line; empty, constant or single data get a sensible range around them.
+//! * **The same input gives the same bytes.**  There is no randomness, no clock and no hash map.
+//! * **Several pictures live on one page.**  All ids and class names carry a prefix.
+
+mod axis;
+mod extent;
+mod figure;
+mod legend;
+mod marks;
+mod number;
+mod panel;
+mod rules;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod ticks;
+
+/// One picture of one or more panels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Figure {
+    /// Heading, drawn above the panels.
+    pub title: String,
+    /// Text alternative: what is seen, in a sentence or two.
+    pub description: String,
+    /// Panels per row; fewer are used if the panels would become too narrow.
+    pub columns: usize,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+}
+
+impl Figure {
+    /// The picture as SVG text. The prefix of its ids is derived from the content.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        self.svg_with_id(&figure::default_id(self))
+    }
+
+    /// The picture as SVG text, with an id prefix that keeps the ids of several inline figures on one page apart.
+    ///
+    /// Characters of the prefix that are not allowed in a style sheet are replaced by `-`.
+    #[must_use]
+    pub fn svg_with_id(&self, id: &str) -> String {
+        figure::compose(self, id).finish(&self.title, &self.description)
+    }
+}
+
+/// One coordinate system with its series.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Panel {
+    /// Heading of the panel; may be empty.
+    pub title: String,
+    /// The axis below.
+    pub x: Axis,
+    /// The axis on the left.
+    pub y: Axis,
+    /// A second y axis, on the right.
+    pub right: Option<Axis>,
+    /// What is drawn.
+    pub series: Vec<Series>,
+    /// Labelled reference lines.
+    pub rules: Vec<Rule>,
+}
+
+/// An axis: label, scale and range.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// Label with the unit.
+    pub label: String,
+    /// Linear or logarithmic.
+    pub scale: Scale,
+    /// The range shown; without it the range of the data, padded to nice ticks.
+    pub range: Option<(f64, f64)>,
+    /// Names of categories at 0, 1, 2, …, shown in place of numbers if there are any.
+    pub names: Vec<String>,
+}
+
+impl Axis {
+    /// A linear axis over the range of the data.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), ..Self::default() }
+    }
+
+    /// A logarithmic axis over the range of the data.
+    pub fn log(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Log, ..Self::default() }
+    }
+
+    /// An axis of categories at 0, 1, 2, ….
+    pub fn named(label: impl Into<String>, names: Vec<String>) -> Self {
+        Self { label: label.into(), names, ..Self::default() }
+    }
+}
+
+/// How values are placed along an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences are equal lengths.
+    #[default]
+    Linear,
+    /// Equal ratios are equal lengths.
+    Log,
+}
+
+/// A row of points with a name, a colour and a shape.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Name in the legend; without a name it is not in the legend. Series of the same name share one entry.
+    pub name: String,
+    /// Index into the palette (cyclic); it selects the shape of the markers as well.
+    pub colour: usize,
+    /// How the points are drawn.
+    pub shape: Shape,
+    /// The points, x and y.
+    pub points: Vec<[f64; 2]>,
+    /// Whether y belongs to the axis on the right.
+    pub right: bool,
+}
+
+impl Series {
+    /// A series on the left axis.
+    pub fn new(name: impl Into<String>, colour: usize, shape: Shape, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.into(), colour, shape, points, right: false }
+    }
+}
+
+/// How the points of a series are drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Shape {
+    /// A solid line; among several lines it bears a few hollow markers.
+    #[default]
+    Line,
+    /// A dashed line; among several lines it bears a few hollow markers.
+    Dashed,
+    /// A marker at each point.
+    Dots,
+    /// A line with a marker at each point.
+    LineWithDots,
+    /// Bars from zero (on a log axis: from the lower end) to y, centred on x.
+    Bars {
+        /// Width in units of x.
+        width: f64,
+    },
+    /// A marker at each point with a vertical bar.
+    ErrorBars {
+        /// Lower and upper y for each point.
+        ends: Vec<[f64; 2]>,
+    },
+    /// A tinted area; the points give its upper edge.
+    Band {
+        /// Lower y for each point.
+        lower: Vec<f64>,
+    },
+}
+
+/// A labelled reference line across the panel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rule {
+    /// Whether it runs horizontally (at a value of the left y axis) or vertically (at a value of x).
+    pub horizontal: bool,
+    /// Its value on the axis.
+    pub at: f64,
+    /// Short label beside the line.
+    pub label: String,
+}

@@ -1,0 +1,63 @@
+//! Labelled reference lines.
+
+use super::Rule;
+use super::marks::Plot;
+use super::number::{shorten, significant};
+use super::svg::{Anchor, Canvas, Font, TextBox, num};
+
+const FONT: Font = Font::new(12.0, "h", Anchor::Start);
+const AWAY: f64 = 5.0;
+
+/// Draws the lines and then their labels, each at the first place that is inside the plot and free. A label without
+/// a place (among very many lines) remains as the tooltip of its line.
+pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule]) {
+    let shown = |r: &&Rule| if r.horizontal { plot.y.contains(r.at) } else { plot.x.contains(r.at) };
+    for rule in rules.iter().filter(shown) {
+        let d = if rule.horizontal {
+            format!("M{} {}h{}", num(plot.left), num(plot.py(rule.at)), num(plot.width))
+        } else {
+            format!("M{} {}v{}", num(plot.px(rule.at)), num(plot.top), num(plot.height))
+        };
+        let axis = if rule.horizontal { "y" } else { "x" };
+        let tip = format!("{}: {axis} = {}", rule.label, significant(rule.at, 4));
+        canvas.path("rule", &d, Some(tip.trim_start_matches(": ")));
+    }
+    let mut taken: Vec<TextBox> = Vec::new();
+    for rule in rules.iter().filter(shown) {
+        let text = shorten(rule.label.trim(), FONT.size, plot.width - 2.0 * AWAY);
+        if text.is_empty() {
+            continue;
+        }
+        let free = |(x, y): &(f64, f64)| {
+            let own = TextBox::of(&FONT, *x, *y, &text);
+            let inside = own.x0 >= plot.left + 1.0
+                && own.x1 <= plot.left + plot.width - 1.0
+                && own.y0 >= plot.top + 1.0
+                && own.y1 <= plot.top + plot.height - 1.0;
+            inside && !taken.iter().any(|t| t.overlaps(&own))
+        };
+        if let Some((x, y)) = places(plot, rule, &text).into_iter().find(free) {
+            canvas.text(&FONT, x, y, &text);
+            taken.push(TextBox::of(&FONT, x, y, &text));
+        }
+    }
+}
+
+/// Candidates for the place of a label, the best ones first.
+fn places(plot: &Plot<'_>, rule: &Rule, text: &str) -> Vec<(f64, f64)> {
+    let own = TextBox::of(&FONT, 0.0, 0.0, text);
+    let (width, up, down) = (own.x1 - own.x0, -own.y0, own.y1);
+    let right = plot.left + plot.width - AWAY - width;
+    let left = plot.left + AWAY;
+    if rule.horizontal {
+        let y = plot.py(rule.at);
+        let rows = [y - AWAY - down + 2.0, y + AWAY + up - 2.0];
+        let columns = (0..=8).map(|i| right + (left - right) * f64::from(i) / 8.0);
+        return columns.flat_map(|x| rows.map(|y| (x, y))).collect();
+    }
+    let x = plot.px(rule.at);
+    let sides = [x + AWAY, x - AWAY - width, (x - width / 2.0).min(right).max(left)];
+    let rows = (plot.height / FONT.line()) as usize;
+    let row = |i: usize| plot.top + AWAY + up + i as f64 * FONT.line();
+    (0..rows).flat_map(|i| sides.map(|x| (x, row(i)))).collect()
+}

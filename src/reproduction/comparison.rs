@@ -1,0 +1,185 @@
+//! A printed number among our draws.
+
+use std::fmt;
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::simulation::Running;
+
+/// Whether a printed number is what the simulation gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It lies in the central 95 % of single draws, which are within 5 % of their mean; or within 1 % of the mean.
+    Reproduced,
+    /// It lies in the central 95 % of single draws, which are wider than that.
+    WithinOneDraw,
+    /// It lies outside.
+    NotReproduced,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Reproduced => "reproduced",
+            Self::WithinOneDraw => "within its one draw",
+            Self::NotReproduced => "not reproduced",
+        })
+    }
+}
+
+/// Mean of draws, and where 95 % of single draws lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean.
+    pub error: f64,
+    /// Lower end of the central 95 % of single draws.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// With as many draws their own quantiles say where 95 % lie; with fewer Student's distribution does.
+const MANY: usize = 200;
+/// Draws within this part of their mean are narrow enough to be compared with.
+const NARROW: f64 = 0.05;
+/// A number this near to the mean is the mean.
+const SAME: f64 = 0.01;
+
+impl Spread {
+    /// Of independent draws.
+    pub fn of(draws: &[f64]) -> Self {
+        let all = Running::of(draws.iter().copied());
+        let (mean, error) = (all.mean(), all.standard_error());
+        if draws.len() >= MANY {
+            return Self { mean, error, low: quantile(draws, 0.025), high: quantile(draws, 0.975) };
+        }
+        let n = draws.len() as f64;
+        let half = student(n - 1.0) * all.sd() * (1.0 + 1.0 / n).sqrt();
+        // What is never negative among the draws is taken to be so by its nature.
+        let floor = if all.least() >= 0.0 { 0.0 } else { f64::NEG_INFINITY };
+        Self { mean, error, low: (mean - half).max(floor), high: mean + half }
+    }
+
+    /// A number without spread.
+    pub fn exactly(value: f64) -> Self {
+        Self { mean: value, error: 0.0, low: value, high: value }
+    }
+
+    /// 95 % confidence interval of the mean of a few independent draws.
+    pub fn of_mean(draws: &[f64]) -> Self {
+        let all = Running::of(draws.iter().copied());
+        let (mean, error) = (all.mean(), all.standard_error());
+        let half = student(draws.len() as f64 - 1.0) * error;
+        Self { mean, error, low: mean - half, high: mean + half }
+    }
+}
+
+/// Half of the central 95 % of Student's distribution.
+fn student(freedom: f64) -> f64 {
+    // One degree of freedom is the least that it has.
+    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+/// Quantile of draws, interpolated; NaN without draws.
+pub(super) fn quantile(draws: &[f64], part: f64) -> f64 {
+    let mut sorted = draws.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = part * (sorted.len().max(1) - 1) as f64;
+    let (below, share) = (place.floor() as usize, place.fract());
+    match (sorted.get(below), sorted.get(below + 1)) {
+        (Some(a), Some(b)) => a + share * (b - a),
+        (Some(a), None) => *a,
+        _ => f64::NAN,
+    }
+}
+
+/// A quantity of the paper beside ours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// What is compared.
+    pub quantity: String,
+    /// Unit of the numbers; empty if there is none.
+    pub unit: &'static str,
+    /// What the paper prints, if it does.
+    pub paper: Option<f64>,
+    /// What we find.
+    pub ours: Spread,
+    /// Whether they agree, if there is something to agree with.
+    pub verdict: Option<Verdict>,
+    /// Why they do not, or what else is to be known.
+    pub why: String,
+}
+
+impl Comparison {
+    /// Compares a printed number with draws of ours.
+    pub fn new(quantity: impl Into<String>, unit: &'static str, paper: f64, ours: Spread) -> Self {
+        let verdict = Some(judge(paper, &ours));
+        Self { quantity: quantity.into(), unit, paper: Some(paper), ours, verdict, why: String::new() }
+    }
+
+    /// A number of ours that the paper does not print.
+    pub fn ours(quantity: impl Into<String>, unit: &'static str, ours: Spread) -> Self {
+        Self { quantity: quantity.into(), unit, paper: None, ours, verdict: None, why: String::new() }
+    }
+
+    /// The same without a verdict: what is compared is not what the paper states.
+    #[must_use]
+    pub fn not_judged(mut self) -> Self {
+        self.verdict = None;
+        self
+    }
+
+    /// With a remark.
+    #[must_use]
+    pub fn because(mut self, why: impl Into<String>) -> Self {
+        self.why = why.into();
+        self
+    }
+
+    /// With a remark if it is not reproduced.
+    #[must_use]
+    pub fn unless_reproduced(self, why: &str) -> Self {
+        if self.verdict == Some(Verdict::NotReproduced) { self.because(why) } else { self }
+    }
+}
+
+fn judge(paper: f64, ours: &Spread) -> Verdict {
+    let size = ours.mean.abs();
+    let inside = (ours.low..=ours.high).contains(&paper);
+    let narrow = ours.high - ours.mean <= NARROW * size && ours.mean - ours.low <= NARROW * size;
+    if (paper - ours.mean).abs() <= SAME * size || (inside && narrow) {
+        Verdict::Reproduced
+    } else if inside {
+        Verdict::WithinOneDraw
+    } else {
+        Verdict::NotReproduced
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_need_agreement_and_a_narrow_spread() {
+        let spread = |half: f64| Spread { mean: 1.0, error: 0.0, low: 1.0 - half, high: 1.0 + half };
+        assert_eq!(judge(1.03, &spread(0.04)), Verdict::Reproduced);
+        assert_eq!(judge(1.03, &spread(0.5)), Verdict::WithinOneDraw);
+        assert_eq!(judge(1.6, &spread(0.5)), Verdict::NotReproduced);
+        assert_eq!(judge(1.009, &spread(0.001)), Verdict::Reproduced);
+        assert_eq!(judge(1.011, &spread(0.001)), Verdict::NotReproduced);
+    }
+
+    #[test]
+    fn few_draws_are_spread_by_student_and_many_by_their_quantiles() {
+        // Five draws: t(4) at 97.5 % is 2.776 (tables).
+        let five = Spread::of(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!((five.high - 3.0 - 2.776_445 * 2.5_f64.sqrt() * 1.2_f64.sqrt()).abs() < 1e-5);
+        let many: Vec<f64> = (0..=1000).map(f64::from).collect();
+        assert_eq!((Spread::of(&many).low, Spread::of(&many).high), (25.0, 975.0));
+        let mean = Spread::of_mean(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!((mean.high - 3.0 - 2.776_445 * 0.5_f64.sqrt()).abs() < 1e-5);
+    }
+}

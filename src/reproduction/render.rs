@@ -1,0 +1,214 @@
+//! An exhibit as text, as JSON, and all of them as one page.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde_json::{Value, json};
+
+use super::{Comparison, Exhibit, Settings, Verdict};
+use crate::report::text::table;
+
+/// A number of a table, four digits.
+fn shown(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        let digits = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+        format!("{value:.*}", (3 - digits).clamp(0, 6) as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+fn interval(c: &Comparison) -> String {
+    if c.ours.low == c.ours.high { String::new() } else { format!("{} to {}", shown(c.ours.low), shown(c.ours.high)) }
+}
+
+fn cells(c: &Comparison) -> [String; 5] {
+    let printed = c.paper.map(shown).unwrap_or_default();
+    let verdict = c.verdict.map(|v| v.to_string()).unwrap_or_default();
+    [printed, shown(c.ours.mean), interval(c), c.unit.to_owned(), verdict]
+}
+
+/// Columns of a text.
+const WIDTH: usize = 100;
+
+/// A paragraph in lines.
+fn wrapped(paragraph: &str) -> String {
+    let mut text = String::new();
+    let mut column = 0;
+    for word in paragraph.split_whitespace() {
+        let long = word.chars().count();
+        if column > 0 && column + 1 + long > WIDTH {
+            text.push('\n');
+            column = 0;
+        } else if column > 0 {
+            text.push(' ');
+            column += 1;
+        }
+        text += word;
+        column += long;
+    }
+    text + "\n"
+}
+
+const HEADER: [&str; 6] = ["quantity", "paper", "ours", "95 % of draws", "unit", "verdict"];
+
+impl Settings {
+    /// What repeats a run, in words.
+    pub fn text(&self) -> String {
+        let Self { draws, candidates, lists, seed } = self;
+        format!("{draws} noise draws, {candidates} candidates, {lists} lists of candidates, seed {seed}")
+    }
+}
+
+impl Exhibit {
+    /// How many numbers of the paper have this verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.comparisons.iter().filter(|c| c.verdict == Some(verdict)).count()
+    }
+
+    /// The verdicts in one sentence.
+    pub fn summary(&self) -> String {
+        let judged = self.comparisons.iter().filter(|c| c.verdict.is_some()).count();
+        let [held, drawn, not] =
+            [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(|v| self.count(v));
+        match judged {
+            0 => "The paper prints no number for it.".into(),
+            _ => format!(
+                "Of {judged} numbers of the paper {held} are reproduced, {drawn} lie within one draw, {not} are not reproduced."
+            ),
+        }
+    }
+
+    /// The exhibit for a terminal: numbers, remarks, findings; the last line is the result.
+    pub fn text(&self, settings: &Settings) -> String {
+        let rows: Vec<Vec<String>> =
+            self.comparisons.iter().map(|c| std::iter::once(c.quantity.clone()).chain(cells(c)).collect()).collect();
+        let mut text = format!("{}: {}\n{}\n\n{}", self.name, self.title, settings.text(), table(&HEADER, &rows));
+        let mut remarks: Vec<(&str, Vec<&str>)> = Vec::new();
+        for c in self.comparisons.iter().filter(|c| !c.why.is_empty()) {
+            match remarks.iter_mut().find(|(why, _)| *why == c.why) {
+                Some((_, of)) => of.push(&c.quantity),
+                None => remarks.push((&c.why, vec![&c.quantity])),
+            }
+        }
+        if !remarks.is_empty() {
+            text.push('\n');
+        }
+        for (why, of) in remarks {
+            let of = if of.len() > 3 { format!("{} and {} more", of[0], of.len() - 1) } else { of.join("; ") };
+            text += &wrapped(&format!("{of}: {why}."));
+        }
+        for finding in &self.findings {
+            text += &format!("\n{}", wrapped(finding));
+        }
+        text + &format!("\n{}\n", self.summary())
+    }
+
+    /// The exhibit as a JSON object.
+    pub fn json(&self) -> Value {
+        let comparison = |c: &Comparison| {
+            json!({
+                "quantity": c.quantity, "unit": c.unit, "paper": c.paper, "ours": c.ours.mean,
+                "standard_error": c.ours.error, "low": c.ours.low, "high": c.ours.high,
+                "verdict": c.verdict.map(|v| v.to_string()), "why": c.why,
+            })
+        };
+        json!({
+            "name": self.name, "title": self.title, "findings": self.findings, "summary": self.summary(),
+            "comparisons": self.comparisons.iter().map(comparison).collect::<Vec<Value>>(),
+        })
+    }
+
+    fn section(&self) -> Markup {
+        let row = |c: &Comparison| {
+            let class = match c.verdict {
+                Some(Verdict::Reproduced) => "held",
+                Some(Verdict::WithinOneDraw) => "drawn",
+                Some(Verdict::NotReproduced) => "not",
+                None => "",
+            };
+            html! {
+                tr {
+                    th scope="row" { (c.quantity) @if !c.why.is_empty() { small { (c.why) } } }
+                    @for (k, cell) in cells(c).iter().enumerate() {
+                        @if k == 4 { td class=(class) { (cell) } } @else { td { (cell) } }
+                    }
+                }
+            }
+        };
+        html! {
+            section id=(self.name) {
+                h2 { (self.name) ": " (self.title) }
+                p { strong { (self.summary()) } }
+                figure { (PreEscaped(self.figure.svg_with_id(self.name))) }
+                @for finding in &self.findings { p { (finding) } }
+                div.wide { table {
+                    thead { tr { @for h in HEADER { th scope="col" { (h) } } } }
+                    tbody { @for c in &self.comparisons { (row(c)) } }
+                } }
+            }
+        }
+    }
+}
+
+const STYLE: &str = "\
+:root{color-scheme:light dark;--ink:#1b1f24;--dim:#57606a;--line:#d0d7de;--held:#116329;--drawn:#7d4e00;--not:#a40e26;--paper:#fff}
+@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--dim:#9da7b1;--line:#3d444d;--held:#56d364;--drawn:#e3b341;--not:#ff7b72;--paper:#0d1117}}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}
+th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
+th[scope=row],thead th:first-child{text-align:left;font-weight:normal}
+small{display:block;color:var(--dim)}
+.held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
+.wide{overflow-x:auto}figure{margin:1rem 0}svg{max-width:100%;height:auto}
+@media print{body{font-size:10px}section{break-inside:avoid-page}}";
+
+/// All exhibits on one page: HTML without scripts and without anything from elsewhere.
+pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
+    let count = |v: Verdict| exhibits.iter().map(|e| e.count(v)).sum::<usize>();
+    let [held, drawn, not] = [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(count);
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Yu, Wu, Wang 2023, reproduced" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Kinematic calibration of six hardpoints: the paper reproduced" }
+                p {
+                    "Yu, Wu, Wang, “Kinematic Calibration Method for Six-Hardpoint Positioning Mechanisms Using Optimal \
+                     Measurement Pose”, Appl. Sci. 13 (2023) 4824. The paper prints single draws of a simulation; here each \
+                     number stands among many draws."
+                }
+                p { strong {
+                    "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
+                    " are not reproduced."
+                } }
+                nav { ul { @for e in exhibits {
+                    li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }
+                } } }
+                @for e in exhibits { (e.section()) }
+                p { small { "paracal " (env!("CARGO_PKG_VERSION")) "; " (settings.text()) "." } }
+            }
+        }
+    }
+    .into_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduction::Spread;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        for (value, text) in
+            [(0.0347, "0.03470"), (219.0, "219.0"), (2.459e-4, "2.459e-4"), (0.0, "0.000"), (-1.5, "-1.500")]
+        {
+            assert_eq!(shown(value), text);
+        }
+        let c = Comparison::ours("a", "mm", Spread::exactly(1.0));
+        assert_eq!(interval(&c), "");
+    }
+}
