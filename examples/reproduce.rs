@@ -8,7 +8,7 @@ use paracal::reproduction::{Lab, Settings, reproduce};
 use paracal::simulation::Journal;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let settings = Settings { draws: 100, lists: 2, ..Settings::default() };
+    let settings = Settings { draws: 100, lists: 3, ..Settings::default() };
     // A journal in a file would let a run that is stopped go on.
     let journal = Journal::in_memory();
     let lab = Lab::new(settings, &journal, &|progress| eprintln!("{}: {}", progress.what, progress.done))?;

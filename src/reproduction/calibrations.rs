@@ -42,7 +42,7 @@ pub(super) struct Study<'a> {
     pub(super) poses: Vec<Pose>,
     pub(super) targets: &'a [Pose],
     /// What the targets are, for the key.
-    pub(super) at: &'a str,
+    pub(super) at: String,
     pub(super) noise: Noise,
     pub(super) truth: Truth,
     pub(super) fit: Fit,

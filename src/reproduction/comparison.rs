@@ -62,6 +62,13 @@ impl Spread {
         Self { mean, error, low: (mean - half).max(floor), high: mean + half }
     }
 
+    /// Of draws that come in sets, each with something in common: the error of the mean is that over the sets.
+    pub fn of_sets(sets: &[Vec<f64>]) -> Self {
+        let means = Running::of(sets.iter().filter(|s| !s.is_empty()).map(|s| Running::of(s.iter().copied()).mean()));
+        let all: Vec<f64> = sets.iter().flatten().copied().collect();
+        Self { mean: means.mean(), error: means.standard_error(), ..Self::of(&all) }
+    }
+
     /// A number without spread.
     pub fn exactly(value: f64) -> Self {
         Self { mean: value, error: 0.0, low: value, high: value }
@@ -108,20 +115,28 @@ pub struct Comparison {
     pub ours: Spread,
     /// Whether they agree, if there is something to agree with.
     pub verdict: Option<Verdict>,
+    /// A statement of the paper that is judged, where it is no number.
+    pub claim: Option<&'static str>,
     /// Why they do not, or what else is to be known.
     pub why: String,
 }
 
 impl Comparison {
+    /// A statement of the paper, with the number of ours that decides it.
+    pub fn claim(quantity: impl Into<String>, claim: &'static str, ours: Spread, holds: bool) -> Self {
+        let verdict = Some(if holds { Verdict::Reproduced } else { Verdict::NotReproduced });
+        Self { claim: Some(claim), verdict, ..Self::ours(quantity, "", ours) }
+    }
+
     /// Compares a printed number with draws of ours.
     pub fn new(quantity: impl Into<String>, unit: &'static str, paper: f64, ours: Spread) -> Self {
         let verdict = Some(judge(paper, &ours));
-        Self { quantity: quantity.into(), unit, paper: Some(paper), ours, verdict, why: String::new() }
+        Self { quantity: quantity.into(), unit, paper: Some(paper), ours, verdict, claim: None, why: String::new() }
     }
 
     /// A number of ours that the paper does not print.
     pub fn ours(quantity: impl Into<String>, unit: &'static str, ours: Spread) -> Self {
-        Self { quantity: quantity.into(), unit, paper: None, ours, verdict: None, why: String::new() }
+        Self { quantity: quantity.into(), unit, paper: None, ours, verdict: None, claim: None, why: String::new() }
     }
 
     /// The same without a verdict: what is compared is not what the paper states.

@@ -19,7 +19,8 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     let over = |chosen: &[Chosen], f: fn(&Chosen) -> f64| Spread::of(&chosen.iter().map(f).collect::<Vec<f64>>());
     let comparisons = vec![
         Comparison::new("O1 of the chosen set, tabu DETMAX", "", value, over(&tabu, |c| c.value))
-            .unless_reproduced("with 3000 candidates instead of the stated 2000 it is met (table1)"),
+            .not_judged()
+            .because("judged in table1"),
         Comparison::new("iterations to the best, tabu DETMAX", "", to_best, over(&tabu, iterations_to_best)),
         Comparison::new("iterations to the end, DETMAX", "", to_end, over(&plain, |c| c.iterations as f64)),
     ];
@@ -34,8 +35,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     }
     let gain = Running::of(tabu.iter().zip(&plain).map(|(t, p)| 100.0 * (t.value / p.value - 1.0)));
     let findings = vec![format!(
-        "The list lets the search leave the set at which DETMAX ends; the best set seen is {:.1} % better (mean over {} \
-         lists). After the best has been passed the value goes up and down: the best set has to be kept, not the last.",
+        "The list lets the search leave the set at which DETMAX ends; the best set seen is {:.1} % better (mean over {} lists).",
         gain.mean(),
         gain.count()
     )];
@@ -50,16 +50,21 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     })
 }
 
+/// Values within this part of the largest are the largest.
+const SAME: f64 = 1e-9;
+
 fn iterations_to_best(c: &Chosen) -> f64 {
     let best = c.trace.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    c.trace.iter().position(|v| *v == best).map_or(f64::NAN, |k| k as f64)
+    c.trace.iter().position(|v| *v >= best * (1.0 - SAME)).map_or(f64::NAN, |k| k as f64)
 }
 
 fn figure(tabu: &Chosen, plain: &Chosen) -> Figure {
     let points = |c: &Chosen| c.trace.iter().enumerate().map(|(k, v)| [k as f64, *v]).collect();
-    let panel = Panel {
+    let best = tabu.value;
+    let panel = |title: &str, range: Option<(f64, f64)>| Panel {
+        title: title.into(),
         x: Axis::linear("iteration"),
-        y: Axis::linear("O1 (mm, rad)"),
+        y: Axis { range, ..Axis::linear("O1 (mm, rad)") },
         series: vec![
             Series::new("tabu DETMAX", 0, Shape::Line, points(tabu)),
             Series::new("DETMAX", 1, Shape::Line, points(plain)),
@@ -72,7 +77,10 @@ fn figure(tabu: &Chosen, plain: &Chosen) -> Figure {
             "O1 after each iteration: both searches climb steeply for twenty iterations; DETMAX ends there, tabu \
                       DETMAX goes on slowly."
                 .into(),
-        columns: 1,
-        panels: vec![panel],
+        columns: 2,
+        panels: vec![
+            panel("first list of candidates", None),
+            panel("the same near the end", Some((0.97 * best, 1.005 * best))),
+        ],
     }
 }

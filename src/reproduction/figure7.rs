@@ -68,7 +68,7 @@ fn figure(values: &[f64], summary: &Running) -> Figure {
     let width = (high - low) / BARS as f64;
     let bars = super::figure5::histogram(values, low, width, BARS);
     let panel = Panel {
-        x: Axis::linear("O1 (mm, rad)"),
+        x: Axis::linear("O1 (mm, rad), first list of candidates"),
         y: Axis::linear("sets"),
         series: vec![Series::new("", 0, Shape::Bars { width }, bars)],
         rules: vec![

@@ -24,7 +24,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
             set: String::new(),
             poses,
             targets: &targets,
-            at: "150 targets",
+            at: "150 targets".into(),
             noise: paper::noise(),
             truth: Truth::Table6,
             fit: Fit::Paper,

@@ -65,17 +65,19 @@ pub enum ReproduceError {
         /// The name.
         name: String,
     },
-    /// Settings that leave nothing to compare.
-    #[error("{what} is {value}; at least {least} are needed")]
-    TooFew {
+    /// Settings that leave nothing to compare, or no end.
+    #[error("{what} is {value}; it must be from {least} to {most}")]
+    Settings {
         /// The setting.
         what: &'static str,
         /// Its value.
         value: u64,
         /// The least that makes sense.
         least: u64,
+        /// The most that can be done.
+        most: u64,
     },
-    /// More than a few of the simulated calibrations failed.
+    /// More than half of the simulated calibrations failed.
     #[error("{failed} of {draws} calibrations of {what} failed: {cause}")]
     Failed {
         /// Which calibrations.
@@ -114,21 +116,21 @@ impl<'a> Lab<'a> {
     /// A lab with these settings.
     ///
     /// # Errors
-    /// [`ReproduceError::TooFew`] for settings that leave nothing to compare: at least 40 draws for percentiles, two
-    /// lists for a spread, and as many candidates as the largest set and a tabu list take.
+    /// [`ReproduceError::Settings`] for settings that leave nothing to compare (40 draws for percentiles, three lists for a
+    /// spread, as many candidates as the largest set and a tabu list take), or no end.
     pub fn new(
         settings: Settings,
         journal: &'a Journal,
         watch: &'a (dyn Fn(Progress<'_>) + Sync),
     ) -> Result<Self, ReproduceError> {
         let Settings { draws, candidates, lists, .. } = settings;
-        for (what, value, least) in [
-            ("the number of draws", draws, 40),
-            ("the number of candidates", candidates as u64, 200),
-            ("the number of lists", lists, 2),
+        for (what, value, (least, most)) in [
+            ("the number of draws", draws, (40, 1_000_000)),
+            ("the number of candidates", candidates as u64, (200, 100_000)),
+            ("the number of lists", lists, (3, 1000)),
         ] {
-            if value < least {
-                return Err(ReproduceError::TooFew { what, value, least });
+            if !(least..=most).contains(&value) {
+                return Err(ReproduceError::Settings { what, value, least, most });
             }
         }
         Ok(Self { settings, journal, watch })
@@ -185,6 +187,7 @@ impl<'a> Lab<'a> {
 pub(super) enum Purpose {
     Candidates = 1,
     Search,
+    Restarts,
     RandomSets,
     Draws,
     Targets,

@@ -18,7 +18,7 @@ use crate::measurement::Noise;
 use crate::mechanism::{GeometryError, Mechanism, Workspace};
 use crate::pose::PoseConvention;
 
-/// Section 3.2: length of the tabu list.
+/// Section 5: length of the tabu list.
 pub const TABU_LENGTH: usize = 100;
 /// Iterations of the tabu search. The paper found its best after 219.
 pub const TABU_ITERATIONS: usize = 400;

@@ -21,8 +21,11 @@ fn interval(c: &Comparison) -> String {
 }
 
 fn cells(c: &Comparison) -> [String; 5] {
-    let printed = c.paper.map(shown).unwrap_or_default();
-    let verdict = c.verdict.map(|v| v.to_string()).unwrap_or_default();
+    let printed = c.paper.map(shown).or_else(|| c.claim.map(|_| "claim".into())).unwrap_or_default();
+    let verdict = match (c.claim, c.verdict) {
+        (Some(_), Some(v)) => if v == Verdict::Reproduced { "holds" } else { "does not hold" }.into(),
+        (_, v) => v.map(|v| v.to_string()).unwrap_or_default(),
+    };
     [printed, shown(c.ours.mean), interval(c), c.unit.to_owned(), verdict]
 }
 
@@ -48,7 +51,7 @@ fn wrapped(paragraph: &str) -> String {
     text + "\n"
 }
 
-const HEADER: [&str; 6] = ["quantity", "paper", "ours", "95 % of draws", "unit", "verdict"];
+const HEADER: [&str; 6] = ["quantity", "paper", "ours", "95 %", "unit", "verdict"];
 
 impl Settings {
     /// What repeats a run, in words.
@@ -61,28 +64,44 @@ impl Settings {
 impl Exhibit {
     /// How many numbers of the paper have this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
-        self.comparisons.iter().filter(|c| c.verdict == Some(verdict)).count()
+        self.comparisons.iter().filter(|c| c.paper.is_some() && c.verdict == Some(verdict)).count()
+    }
+
+    /// How many statements of the paper are judged, and how many of them hold.
+    pub fn claims(&self) -> (usize, usize) {
+        let claims = || self.comparisons.iter().filter(|c| c.claim.is_some());
+        (claims().count(), claims().filter(|c| c.verdict == Some(Verdict::Reproduced)).count())
     }
 
     /// The verdicts in one sentence.
     pub fn summary(&self) -> String {
-        let judged = self.comparisons.iter().filter(|c| c.verdict.is_some()).count();
         let [held, drawn, not] =
             [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(|v| self.count(v));
-        match judged {
-            0 => "The paper prints no number for it.".into(),
-            _ => format!(
-                "Of {judged} numbers of the paper {held} are reproduced, {drawn} lie within one draw, {not} are not reproduced."
-            ),
-        }
+        let (claims, hold) = self.claims();
+        let numbers = (held + drawn + not > 0).then(|| {
+            let all = held + drawn + not;
+            format!("Of {all} numbers of the paper {held} are reproduced, {drawn} lie within one draw, {not} are not reproduced.")
+        });
+        let claims = (claims > 0).then(|| format!("Of {claims} statements of the paper {hold} hold."));
+        let said: Vec<String> = numbers.into_iter().chain(claims).collect();
+        if said.is_empty() { "The paper prints no number for it that could be judged.".into() } else { said.join(" ") }
     }
 
     /// The exhibit for a terminal: numbers, remarks, findings; the last line is the result.
     pub fn text(&self, settings: &Settings) -> String {
         let rows: Vec<Vec<String>> =
             self.comparisons.iter().map(|c| std::iter::once(c.quantity.clone()).chain(cells(c)).collect()).collect();
-        let mut text = format!("{}: {}\n{}\n\n{}", self.name, self.title, settings.text(), table(&HEADER, &rows));
+        let mut text = format!(
+            "{}: {}\n{}\n(95 %: of single draws; of the mean, where means or ratios of means are compared)\n\n{}",
+            self.name,
+            self.title,
+            settings.text(),
+            table(&HEADER, &rows)
+        );
         let mut remarks: Vec<(&str, Vec<&str>)> = Vec::new();
+        for c in self.comparisons.iter().filter(|c| c.claim.is_some()) {
+            text += &wrapped(&format!("\"{}\" is judged by: {}.", c.claim.unwrap_or_default(), c.quantity));
+        }
         for c in self.comparisons.iter().filter(|c| !c.why.is_empty()) {
             match remarks.iter_mut().find(|(why, _)| *why == c.why) {
                 Some((_, of)) => of.push(&c.quantity),
@@ -108,7 +127,7 @@ impl Exhibit {
             json!({
                 "quantity": c.quantity, "unit": c.unit, "paper": c.paper, "ours": c.ours.mean,
                 "standard_error": c.ours.error, "low": c.ours.low, "high": c.ours.high,
-                "verdict": c.verdict.map(|v| v.to_string()), "why": c.why,
+                "verdict": c.verdict.map(|v| v.to_string()), "claim": c.claim, "why": c.why,
             })
         };
         json!({
@@ -127,7 +146,11 @@ impl Exhibit {
             };
             html! {
                 tr {
-                    th scope="row" { (c.quantity) @if !c.why.is_empty() { small { (c.why) } } }
+                    th scope="row" {
+                        (c.quantity)
+                        @if let Some(claim) = c.claim { small { "“" (claim) "”" } }
+                        @if !c.why.is_empty() { small { (c.why) } }
+                    }
                     @for (k, cell) in cells(c).iter().enumerate() {
                         @if k == 4 { td class=(class) { (cell) } } @else { td { (cell) } }
                     }
@@ -165,6 +188,7 @@ small{display:block;color:var(--dim)}
 pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
     let count = |v: Verdict| exhibits.iter().map(|e| e.count(v)).sum::<usize>();
     let [held, drawn, not] = [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(count);
+    let claims = exhibits.iter().map(Exhibit::claims).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -183,7 +207,7 @@ pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
                 }
                 p { strong {
                     "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
-                    " are not reproduced."
+                    " are not reproduced. Of " (claims.0) " statements " (claims.1) " hold."
                 } }
                 nav { ul { @for e in exhibits {
                     li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }

@@ -163,7 +163,7 @@ fn restarts(lab: &Lab<'_>, problem: &Problem<'_>, list: u64) -> Result<Choice, R
     let mut start = 0;
     while iterations < paper::TABU_ITERATIONS {
         let left = paper::TABU_ITERATIONS - iterations;
-        let seed = lab.seed(Purpose::Search, (list << 16) | (start + 1));
+        let seed = lab.seed(Purpose::Restarts, (list << 16) | start);
         let choice = Detmax { iterations: left }.select(&Problem { seed, ..*problem })?;
         iterations += choice.iterations.max(1);
         start += 1;

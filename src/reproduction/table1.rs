@@ -3,12 +3,12 @@
 use super::exhibit::Listing;
 use super::sets::{Chosen, How, Place, Wanted, choose};
 use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
-use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 use crate::simulation::Running;
 
 /// Numbers of candidates besides the 2000 of section 5.
 const OTHER_CANDIDATES: [(usize, &str); 2] = [
-    (3000, "with these the fit to all of Table 1 is best"),
+    (3000, "with more candidates than the paper states O1 is nearer to it"),
     (10_000, "the number that section 3.2 states; Table 1 is not from it"),
 ];
 
@@ -49,7 +49,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
         let s = Spread::of(&row.values);
         table.row(&[row.index, row.method(), &row.n.to_string()], &[row.paper, s.mean, s.error, s.low, s.high]);
     }
-    let mut findings = vec![gain(&rows), ceiling(&rows)];
+    let mut findings = vec![above(&rows), gain(&rows), ceiling(&rows)];
     findings.extend(efforts.findings());
     Ok(Exhibit {
         name: "table1",
@@ -88,13 +88,8 @@ fn rows(lab: &Lab<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
 
 fn compared(row: &Row) -> Comparison {
     let quantity = format!("{}, {} poses, {}", row.index.to_uppercase(), row.n, row.method());
-    let found = Comparison::new(quantity, "", row.paper, Spread::of(&row.values));
-    let below = found.ours.mean > row.paper;
-    found.unless_reproduced(match (row.index, below) {
-        ("o1", _) => "the paper's candidates are other than stated: with 3000 of them O1 is met",
-        (_, true) => "the paper's search ended early",
-        (_, false) => "outside the spread of our lists of candidates",
-    })
+    Comparison::new(quantity, "", row.paper, Spread::of(&row.values))
+        .unless_reproduced("outside the spread of our lists of candidates")
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -115,6 +110,17 @@ fn gain(rows: &[Row]) -> String {
     };
     let parts = paper::TABLE_1_POSES.map(of).join(", ");
     format!("The tabu list raises O1 over plain DETMAX by {parts}; the paper: +1.4 %, +1.7 %, +2.0 %.")
+}
+
+/// Where the paper's O1 lies among the lists themselves.
+fn above(rows: &[Row]) -> String {
+    let first = &rows[0];
+    let reached = first.values.iter().filter(|v| **v >= first.paper).count();
+    format!(
+        "The intervals are those of a further list, by Student's distribution from {} lists. Of these lists {reached} reach the \
+         paper's O1 for 20 poses by tabu DETMAX; more candidates bring it nearer.",
+        first.values.len()
+    )
 }
 
 fn ceiling(rows: &[Row]) -> String {
@@ -199,29 +205,28 @@ fn figure(rows: &[Row]) -> Figure {
         for (k, tabu) in [true, false].into_iter().enumerate() {
             let of: Vec<&Row> = rows.iter().filter(|r| r.index == *index && r.tabu == tabu).collect();
             // The two methods side by side.
-            let at = |r: &Row| r.n as f64 + if tabu { -0.5 } else { 0.5 };
+            let at = |r: &Row| r.n as f64 + if tabu { -1.0 } else { 1.0 };
+            let percent = |r: &Row, v: f64| 100.0 * (v / r.paper - 1.0);
             let spreads: Vec<Spread> = of.iter().map(|r| Spread::of(&r.values)).collect();
-            let ends = spreads.iter().map(|s| [s.low, s.high]).collect();
-            let ours = of.iter().zip(&spreads).map(|(r, s)| [at(r), s.mean]).collect();
-            let printed = of.iter().map(|r| [at(r), r.paper]).collect();
+            let ends = of.iter().zip(&spreads).map(|(r, s)| [percent(r, s.low), percent(r, s.high)]).collect();
+            let ours = of.iter().zip(&spreads).map(|(r, s)| [at(r), percent(r, s.mean)]).collect();
             let method = if tabu { "tabu DETMAX" } else { "DETMAX" };
             series.push(Series::new(format!("{method}, ours (95 % of lists)"), k, Shape::ErrorBars { ends }, ours));
-            series.push(Series::new(format!("{method}, paper"), k + 2, Shape::Dots, printed));
         }
         Panel {
             title: index.to_uppercase(),
-            x: Axis { range: Some((15.0, 45.0)), ..Axis::linear("number of poses") },
-            y: Axis::linear(format!("{} (mm, rad)", index.to_uppercase())),
+            x: Axis { range: Some((15.0, 55.0)), ..Axis::linear("number of poses") },
+            y: Axis::linear("difference from the paper (%)"),
             series,
+            rules: vec![Rule { horizontal: true, at: 0.0, label: "paper".into() }],
             ..Panel::default()
         }
     };
     Figure {
-        title: "Table 1: indices of chosen poses".into(),
-        description:
-            "Five panels, one an index: values for 20, 30 and 40 poses by both methods, ours with the spread over \
-                      lists of candidates and the paper's."
-                .into(),
+        title: "Table 1: indices of chosen poses, against the paper".into(),
+        description: "Five panels, one an index: by how many per cent our values for 20, 30 and 40 poses differ from the paper's, \
+                      for both methods, with the spread over lists of candidates."
+            .into(),
         columns: 3,
         panels: paper::TABLE_1.iter().map(panel).collect(),
     }

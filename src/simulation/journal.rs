@@ -13,10 +13,22 @@ use thiserror::Error;
 
 /// A journal that cannot be kept.
 #[derive(Debug, Error)]
-#[error("{path}: {cause}; the journal of finished work must be a file that can be read and written")]
-pub struct JournalError {
-    path: PathBuf,
-    cause: std::io::Error,
+#[non_exhaustive]
+pub enum JournalError {
+    /// The file cannot be read or written.
+    #[error("{path}: {cause}; the journal of finished work must be a file that can be read and written")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: std::io::Error,
+    },
+    /// The file is something else, and is left alone.
+    #[error("{path} is no journal of finished work; move it away, or work in another folder")]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 /// Finished units of work, one line each, by a key that says everything the result depends on.
@@ -37,9 +49,9 @@ struct Line {
 }
 
 /// The first line: results of another version of the program are not taken over.
-fn heading() -> String {
-    format!("paracal {} journal of finished units\n", env!("CARGO_PKG_VERSION"))
-}
+const HEADING: &str = concat!("paracal journal of finished units, version ", env!("CARGO_PKG_VERSION"), "\n");
+/// How the first line of any version begins.
+const ANY_HEADING: &str = "paracal journal of finished units, version ";
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // Whoever panicked while it was held left a map or a file that is whole.
@@ -58,21 +70,27 @@ impl Journal {
     /// [`JournalError`] if the file cannot be read or written.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, JournalError> {
         let path = path.as_ref().to_owned();
-        let about = |cause: std::io::Error| JournalError { path: path.clone(), cause };
+        let about = |cause: std::io::Error| JournalError::File { path: path.clone(), cause };
+        // A pipe has no end to read to.
+        if std::fs::metadata(&path).is_ok_and(|m| !m.is_file()) {
+            return Err(JournalError::Foreign { path });
+        }
         let mut bytes = Vec::new();
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(about)?;
         file.read_to_end(&mut bytes).map_err(about)?;
         let text = String::from_utf8_lossy(&bytes);
         let mut finished = HashMap::new();
-        if let Some(lines) = text.strip_prefix(&heading()) {
+        if let Some(lines) = text.strip_prefix(HEADING) {
             let whole = lines.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
             finished.extend(whole.map(|line| (line.unit, line.result)));
             // A line that was cut off is closed, so that the next begins on its own.
             if !text.ends_with('\n') {
                 file.write_all(b"\n").map_err(about)?;
             }
+        } else if text.starts_with(ANY_HEADING) || ANY_HEADING.starts_with(&*text) {
+            file.set_len(0).and_then(|()| file.write_all(HEADING.as_bytes())).map_err(about)?;
         } else {
-            file.set_len(0).and_then(|()| file.write_all(heading().as_bytes())).map_err(about)?;
+            return Err(JournalError::Foreign { path });
         }
         Ok(Self { finished: Mutex::new(finished), file: Some((path, Mutex::new(file))) })
     }
@@ -104,7 +122,7 @@ impl Journal {
         let result = work()?;
         let Ok(value) = serde_json::to_value(&result) else { return Ok(result) };
         if let Some((path, file)) = &self.file {
-            let about = |cause: std::io::Error| JournalError { path: path.clone(), cause };
+            let about = |cause: std::io::Error| JournalError::File { path: path.clone(), cause };
             let line = Line { unit: key.to_owned(), result: value.clone() };
             let mut text = serde_json::to_string(&line).map_err(|e| about(e.into()))?;
             text.push('\n');
@@ -123,7 +141,7 @@ impl Journal {
         drop(file);
         match std::fs::remove_file(&path) {
             // Another program kept it too, and was done first.
-            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(JournalError { path, cause }),
+            Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => Err(JournalError::File { path, cause }),
             _ => Ok(()),
         }
     }
@@ -175,10 +193,16 @@ mod tests {
     fn a_journal_of_another_version_is_begun_anew() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
-        std::fs::write(&path, "paracal 0.0.0 journal of finished units\n{\"unit\":\"a\",\"result\":1.0}\n").unwrap();
+        std::fs::write(&path, format!("{ANY_HEADING}0.0.0\n{{\"unit\":\"a\",\"result\":1.0}}\n")).unwrap();
         let journal = Journal::open(&path).unwrap();
         assert!(journal.is_empty());
         assert_eq!(journal.unit("a", || Ok::<_, JournalError>(2.0)).unwrap(), 2.0);
-        assert!(Journal::open(folder.path()).is_err());
+        // What is no journal is left alone.
+        assert!(matches!(Journal::open(folder.path()), Err(JournalError::Foreign { .. })));
+        for foreign in [&b"my notes\n"[..], &[0xff, 0, 1]] {
+            std::fs::write(&path, foreign).unwrap();
+            assert!(matches!(Journal::open(&path), Err(JournalError::Foreign { .. })));
+            assert_eq!(std::fs::read(&path).unwrap(), foreign);
+        }
     }
 }

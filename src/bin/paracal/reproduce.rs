@@ -15,8 +15,6 @@ use crate::common::Ui;
 
 /// All exhibits.
 const ALL: &str = "all";
-/// Finished work of a run that was stopped.
-const JOURNAL: &str = "unfinished.journal";
 /// The page of all exhibits.
 const PAGE: &str = "paper.html";
 
@@ -55,7 +53,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let names: Vec<&str> = EXHIBITS.into_iter().filter(|name| args.exhibit == ALL || args.exhibit == *name).collect();
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", args.out.display()))?;
-    let journal = Journal::open(args.out.join(JOURNAL))?;
+    // Another exhibit or other settings keep a journal of their own.
+    let Settings { draws, candidates, lists, seed } = settings;
+    let name = format!("unfinished-{}-{draws}-{candidates}-{lists}-{seed}.journal", args.exhibit);
+    let journal = Journal::open(args.out.join(name))?;
     if !journal.is_empty() {
         ui.warn(&format!("going on with {} units of work of a run that was stopped", journal.len()));
     }
