@@ -47,7 +47,7 @@
 //! | [`diagnosis`] | what the model gets wrong, and why: [`diagnosis::diagnose`] |
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo, work that survives a stop |
 //! | [`files`] | mechanism files (TOML, URDF), measurements and pose lists (CSV) |
-//! | [`report`] | results as text, JSON and charts |
+//! | [`report`] | results as text, JSON, charts and pages |
 //! | [`reproduction`] | the tables and figures of the paper, and what of them holds |
 //! | `conformance` | test suites for mechanisms, measurements, identifiers, indices and selectors (feature `conformance`) |
 //!

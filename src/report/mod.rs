@@ -1,8 +1,9 @@
 //! Results as people and programs read them; nothing is computed here.
 //!
 //! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on, [`chart`]
-//! pictures as SVG.
+//! pictures as SVG, [`html`] pages.
 
 pub mod chart;
+pub mod html;
 pub mod json;
 pub mod text;

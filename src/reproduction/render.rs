@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::{Value, json};
 
 use super::{Comparison, Exhibit, Settings, Verdict};
+use crate::report::html::STYLE;
 use crate::report::text::table;
 
 /// A number of a table, four digits.
@@ -171,18 +172,6 @@ impl Exhibit {
         }
     }
 }
-
-const STYLE: &str = "\
-:root{color-scheme:light dark;--ink:#1b1f24;--dim:#57606a;--line:#d0d7de;--held:#116329;--drawn:#7d4e00;--not:#a40e26;--paper:#fff}
-@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--dim:#9da7b1;--line:#3d444d;--held:#56d364;--drawn:#e3b341;--not:#ff7b72;--paper:#0d1117}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
-th[scope=row],thead th:first-child{text-align:left;font-weight:normal}
-small{display:block;color:var(--dim)}
-.held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
-.wide{overflow-x:auto}figure{margin:1rem 0}svg{max-width:100%;height:auto}
-@media print{body{font-size:10px}section{break-inside:avoid-page}}";
 
 /// All exhibits on one page: HTML without scripts and without anything from elsewhere.
 pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {

@@ -9,12 +9,13 @@ use paracal::effect::{ActiveEffect, effects_of};
 use paracal::files::{CsvTable, EffectEntry, Machine, Measurement, Outputs, number};
 use paracal::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
-    Robust, Weights, calibrate, identifier,
+    Robust, Weights, calibrate, evaluate, identifier,
 };
 use paracal::measurement::MeasurementModel;
+use paracal::report::html::{self, Page};
 use paracal::report::{json, text};
 
-use crate::common::{Ui, about, verdict};
+use crate::common::{Ui, about, settings, vector_noise, verdict};
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Prior {
@@ -83,6 +84,9 @@ pub(crate) struct Args {
     /// Also write the covariance of the parameters (SI) as CSV.
     #[arg(long, value_name = "FILE")]
     covariance: Option<PathBuf>,
+    /// Page to write: verdict, errors and parameters in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
@@ -90,7 +94,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
     let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
     outputs.check(&args.output)?;
-    if let Some(path) = &args.covariance {
+    for path in [&args.covariance, &args.report].into_iter().flatten() {
         outputs.check(path)?;
     }
     let mut machine = ui.machine(&args.mechanism)?;
@@ -153,14 +157,28 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
     }
+    let title = mechanism.name();
+    let shown = text::calibration(&result, title, &measurement.data.model().describe(), chosen.name());
+    if let Some(path) = &args.report {
+        outputs.add(path, page(args, &machine, &measurement, &result, &shown)?.html())?;
+    }
     outputs.write()?;
     result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
-    let title = mechanism.name();
-    ui.result(
-        &text::calibration(&result, title, &measurement.data.model().describe(), chosen.name()),
-        &json::calibration(&result, chosen.name(), &largest_correlations(&result)),
-    );
+    ui.result(&shown, &json::calibration(&result, chosen.name(), &largest_correlations(&result)));
     Ok(verdict(result.verdict.trusted))
+}
+
+/// The report: errors of the mechanism as it was given, once it stands where it was found, and of the calibrated one.
+fn page(args: &Args, machine: &Machine, measurement: &Measurement, result: &Calibration, text: &str) -> Result<Page> {
+    let data = &measurement.data;
+    let about = |error| about(error, machine, &args.data, data);
+    let aligned = data.with_frames(result.registration.frames);
+    let before = evaluate(machine.mechanism.as_ref(), &[], &aligned).map_err(about)?;
+    let own = result.identification.own_values();
+    let after = evaluate(result.mechanism.as_ref(), &own, data).map_err(about)?;
+    let models = [("calibrated", &after), ("as it was given", &before)];
+    let settings = settings(&[&args.mechanism, &args.data]);
+    Ok(html::calibration(result, machine.mechanism.name(), text, &models, vector_noise(machine), settings))
 }
 
 /// The effects of the file with the identified values, their 1σ, and the range of the data.

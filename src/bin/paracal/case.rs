@@ -28,10 +28,10 @@ pub(crate) struct Case<'a> {
 }
 
 impl CaseArgs {
-    /// Reads the files; `output` is what will be written beside them.
-    pub(crate) fn read(&self, output: Option<&PathBuf>, ui: &Ui) -> Result<(Case<'_>, Outputs)> {
+    /// Reads the files; `written` is what will be written beside them.
+    pub(crate) fn read(&self, written: &[Option<&PathBuf>], ui: &Ui) -> Result<(Case<'_>, Outputs)> {
         let mut outputs = Outputs::beside_inputs([&self.mechanism, &self.data]);
-        if let Some(path) = output {
+        for path in written.iter().copied().flatten() {
             outputs.check(path)?;
         }
         let machine = ui.machine(&self.mechanism)?.without_effects()?;

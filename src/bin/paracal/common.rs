@@ -210,3 +210,20 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
         shown(home[odd])
     ))
 }
+
+/// What repeats a command, for its report: the call and its inputs with their sizes.
+pub(crate) fn settings(inputs: &[&Path]) -> Vec<(String, String)> {
+    let call: Vec<String> = std::env::args().skip(1).collect();
+    let mut settings = vec![("call".to_owned(), format!("paracal {}", call.join(" ")))];
+    for input in inputs {
+        let size = std::fs::metadata(input).map_or_else(|_| String::new(), |m| format!("{} bytes", m.len()));
+        settings.push((input.display().to_string(), size));
+    }
+    settings
+}
+
+/// The stated noise of a vector length, m and rad.
+pub(crate) fn vector_noise(machine: &Machine) -> Option<(f64, f64)> {
+    let noise = machine.noise.as_ref()?;
+    Some((3_f64.sqrt() * noise.position, 3_f64.sqrt() * noise.rotation))
+}

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use paracal::diagnosis::{Question, Verdict, diagnose};
-use paracal::report::{json, text};
+use paracal::report::{html, json, text};
 
 use crate::case::CaseArgs;
-use crate::common::{Ui, verdict};
+use crate::common::{Ui, settings, verdict};
 
 /// Arguments of `diagnose`.
 #[derive(clap::Args)]
@@ -21,13 +21,17 @@ pub(crate) struct Args {
     /// Mechanism file to write: identified parameters and the causes that were found.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Page to write: verdict, causes and limits in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Seed of the held-out folds.
     #[arg(long, default_value_t = 0)]
     seed: u64,
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let (case, mut outputs) = args.case.read(args.output.as_ref(), ui)?;
+    let written = [args.output.as_ref(), args.report.as_ref()];
+    let (case, mut outputs) = args.case.read(&written, ui)?;
     let (machine, data) = (&case.machine, &case.measurement.data);
     let question = Question { seed: args.seed, ..case.question() };
     let progress = ui.progress(format!("looking for causes in {} samples", data.len()));
@@ -41,9 +45,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             let document = machine.extended_document(&found).context("the extended model")?;
             let written = outputs.add_mechanism(path, &document)?;
             written.warnings.iter().for_each(|w| ui.warn(w));
-            outputs.write()?;
         }
     }
+    if let Some(path) = &args.report {
+        let settings = settings(&[&args.case.mechanism, &args.case.data]);
+        outputs.add(path, html::diagnosis(&found, machine.mechanism.name(), settings).html())?;
+    }
+    outputs.write()?;
     ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found));
     Ok(verdict(found.verdict != Verdict::Misread))
 }

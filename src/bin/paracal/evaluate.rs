@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
+use paracal::files::Outputs;
 use paracal::identification::evaluate;
-use paracal::report::{json, text};
+use paracal::report::{html, json, text};
 
-use crate::common::{Ui, about};
+use crate::common::{Ui, about, settings, vector_noise};
 
 /// Arguments of `evaluate`.
 #[derive(clap::Args)]
@@ -17,13 +18,21 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// Measurement file.
     data: PathBuf,
+    /// Page to write: the errors in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
 }
 
 /// A nominal model that misses by this part of the platform's radius is likely to be in another frame.
 const OTHER_FRAME: f64 = 0.05;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.data]);
+    if let Some(path) = &args.report {
+        outputs.check(path)?;
+    }
     let mut machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     ui.refer(&mut machine, &measurement.data, &args.data);
     let mechanism = machine.mechanism.as_ref();
@@ -35,6 +44,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it",
             Some(_) => "the errors are as large as the mechanism; check the [plane] of the mechanism file, or state identify = true there",
         });
+    }
+    if let Some(path) = &args.report {
+        let settings = settings(&[&args.mechanism, &args.data]);
+        outputs.add(path, html::evaluation(&errors, mechanism.name(), vector_noise(&machine), settings).html())?;
+        outputs.write()?;
     }
     ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));
     Ok(ExitCode::SUCCESS)

@@ -24,7 +24,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let (case, mut outputs) = args.case.read(args.output.as_ref(), ui)?;
+    let (case, mut outputs) = args.case.read(&[args.output.as_ref()], ui)?;
     let (machine, question) = (&case.machine, case.question());
     let progress = ui.progress("looking for measurements that settle".into());
     let found = diagnose(&question).map_err(|error| case.about(error))?;

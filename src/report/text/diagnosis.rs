@@ -54,7 +54,8 @@ fn name_of(d: &Diagnosis, effect: &str, leg: Option<usize>) -> String {
     format!("{effect}{}", at_leg(d, leg))
 }
 
-fn verdict(d: &Diagnosis) -> String {
+/// The verdict in a sentence or two.
+pub fn verdict(d: &Diagnosis) -> String {
     let names: Vec<String> = d.causes.iter().map(|c| name_of(d, &c.effect, c.leg)).collect();
     let names = names.join(" and ");
     match d.verdict {

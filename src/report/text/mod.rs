@@ -5,7 +5,7 @@ mod inspection;
 mod selection;
 mod settlement;
 
-pub use diagnosis::diagnosis;
+pub use diagnosis::{diagnosis, verdict};
 pub use inspection::{Inspection, inspection};
 pub use selection::{Selection, selection};
 pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settlement};

@@ -1,0 +1,165 @@
+//! The page itself.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::report::chart::Figure;
+
+/// The style of all pages: light and dark, narrow and wide, screen and paper.
+pub const STYLE: &str = "\
+:root{color-scheme:light dark;--ink:#1b1f24;--dim:#57606a;--line:#d0d7de;--held:#116329;--drawn:#7d4e00;--not:#a40e26;--paper:#fff}
+@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--dim:#9da7b1;--line:#3d444d;--held:#56d364;--drawn:#e3b341;--not:#ff7b72;--paper:#0d1117}}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;overflow-wrap:normal}
+th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
+th[scope=row],th:first-child,td:first-child{text-align:left;font-weight:normal}
+small{display:block;color:var(--dim)}
+.held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
+.verdict{font-size:1.25rem;font-weight:bold;border-left:.4rem solid;padding-left:.8rem}
+.wide{overflow-x:auto}pre{overflow-x:auto;font-size:.85rem}figure{margin:1rem 0}svg{max-width:100%;height:auto}
+@media print{body{font-size:10px}section,figure{break-inside:avoid-page}}";
+
+/// How good the news is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// All is well.
+    Good,
+    /// Something is to be known or done.
+    Mind,
+    /// Not to be used.
+    Bad,
+}
+
+/// A page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// What it is about.
+    pub title: String,
+    /// The result in one sentence.
+    pub verdict: String,
+    /// How good it is.
+    pub tone: Tone,
+    /// What to know and to do, a paragraph each.
+    pub lead: Vec<String>,
+    /// What is shown.
+    pub sections: Vec<Section>,
+    /// What repeats it, by name.
+    pub settings: Vec<(String, String)>,
+}
+
+/// A part of a page with a heading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Name of its anchor.
+    pub id: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// What it shows.
+    pub parts: Vec<Part>,
+}
+
+/// A paragraph, a table, a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Part {
+    /// A paragraph.
+    Text(String),
+    /// Lines as they are.
+    Lines(String),
+    /// A table: header, rows.
+    Table(Vec<&'static str>, Vec<Vec<String>>),
+    /// A picture.
+    Picture(Box<Figure>),
+}
+
+impl Part {
+    /// A picture.
+    pub fn picture(figure: Figure) -> Self {
+        Self::Picture(Box::new(figure))
+    }
+
+    fn markup(&self, id: &str) -> Markup {
+        match self {
+            Self::Text(text) => html! { p { (text) } },
+            Self::Lines(lines) => html! { pre { (lines) } },
+            Self::Table(header, rows) => html! {
+                div.wide { table {
+                    thead { tr { @for h in header { th scope="col" { (h) } } } }
+                    tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+                } }
+            },
+            Self::Picture(figure) => html! { figure { (PreEscaped(figure.svg_with_id(id))) } },
+        }
+    }
+}
+
+impl Page {
+    /// The page as HTML.
+    pub fn html(&self) -> String {
+        let class = match self.tone {
+            Tone::Good => "verdict held",
+            Tone::Mind => "verdict drawn",
+            Tone::Bad => "verdict not",
+        };
+        html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (self.title) }
+                    style { (PreEscaped(STYLE)) }
+                }
+                body {
+                    h1 { (self.title) }
+                    p class=(class) { (self.verdict) }
+                    @for paragraph in &self.lead { p { (paragraph) } }
+                    @for section in &self.sections {
+                        section id=(section.id) {
+                            h2 { (section.title) }
+                            @for (k, part) in section.parts.iter().enumerate() {
+                                (part.markup(&format!("{}{k}", section.id)))
+                            }
+                        }
+                    }
+                    section id="settings" {
+                        h2 { "What repeats it" }
+                        div.wide { table { tbody {
+                            @for (name, value) in &self.settings { tr { th scope="row" { (name) } td { (value) } } }
+                            tr { th scope="row" { "paracal" } td { (env!("CARGO_PKG_VERSION")) } }
+                        } } }
+                    }
+                }
+            }
+        }
+        .into_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_escaped_and_parts_have_anchors_of_their_own() {
+        let page = Page {
+            title: "<b> & \"c\"".into(),
+            verdict: "a < b".into(),
+            tone: Tone::Mind,
+            lead: vec!["<script>".into()],
+            sections: vec![Section {
+                id: "s",
+                title: "S",
+                parts: vec![
+                    Part::picture(Figure::default()),
+                    Part::picture(Figure::default()),
+                    Part::Lines("<i>".into()),
+                ],
+            }],
+            settings: vec![("file".into(), "<x>".into())],
+        };
+        let html = page.html();
+        assert!(
+            !html.contains("<script") && !html.contains("<i>") && !html.contains("<x>") && html.contains("a &lt; b")
+        );
+        assert!(html.contains("s0") && html.contains("s1"));
+    }
+}
