@@ -1,10 +1,10 @@
 //! An exhibit as text, as JSON, and all of them as one page.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use serde_json::{Value, json};
 
 use super::{Comparison, Exhibit, Settings, Verdict};
-use crate::report::html::STYLE;
+use crate::report::html::shell;
 use crate::report::text::table;
 
 /// A number of a table, four digits.
@@ -178,35 +178,24 @@ pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
     let count = |v: Verdict| exhibits.iter().map(|e| e.count(v)).sum::<usize>();
     let [held, drawn, not] = [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(count);
     let claims = exhibits.iter().map(Exhibit::claims).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Yu, Wu, Wang 2023, reproduced" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Kinematic calibration of six hardpoints: the paper reproduced" }
-                p {
-                    "Yu, Wu, Wang, “Kinematic Calibration Method for Six-Hardpoint Positioning Mechanisms Using Optimal \
-                     Measurement Pose”, Appl. Sci. 13 (2023) 4824. The paper prints single draws of a simulation; here each \
-                     number stands among many draws."
-                }
-                p { strong {
-                    "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
-                    " are not reproduced. Of " (claims.0) " statements " (claims.1) " hold."
-                } }
-                nav { ul { @for e in exhibits {
-                    li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }
-                } } }
-                @for e in exhibits { (e.section()) }
-                p { small { "paracal " (env!("CARGO_PKG_VERSION")) "; " (settings.text()) "." } }
-            }
+    let body = html! {
+        h1 { "Kinematic calibration of six hardpoints: the paper reproduced" }
+        p {
+            "Yu, Wu, Wang, “Kinematic Calibration Method for Six-Hardpoint Positioning Mechanisms Using Optimal \
+             Measurement Pose”, Appl. Sci. 13 (2023) 4824. The paper prints single draws of a simulation; here each \
+             number stands among many draws."
         }
-    }
-    .into_string()
+        p { strong {
+            "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
+            " are not reproduced. Of " (claims.0) " statements " (claims.1) " hold."
+        } }
+        nav { ul { @for e in exhibits {
+            li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }
+        } } }
+        @for e in exhibits { (e.section()) }
+        p { small { "paracal " (env!("CARGO_PKG_VERSION")) "; " (settings.text()) "." } }
+    };
+    shell("Yu, Wu, Wang 2023, reproduced", &body)
 }
 
 #[cfg(test)]

@@ -13,4 +13,5 @@ mod residuals;
 pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
-pub use page::{Page, Part, STYLE, Section, Tone};
+pub(crate) use page::shell;
+pub use page::{Page, Part, Section, Tone};

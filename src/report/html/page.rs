@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::report::chart::Figure;
 
 /// The style of all pages: light and dark, narrow and wide, screen and paper.
-pub const STYLE: &str = "\
+const STYLE: &str = "\
 :root{color-scheme:light dark;--ink:#1b1f24;--dim:#57606a;--line:#d0d7de;--held:#116329;--drawn:#7d4e00;--not:#a40e26;--paper:#fff}
 @media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--dim:#9da7b1;--line:#3d444d;--held:#56d364;--drawn:#e3b341;--not:#ff7b72;--paper:#0d1117}}
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
@@ -99,39 +99,45 @@ impl Page {
             Tone::Mind => "verdict drawn",
             Tone::Bad => "verdict not",
         };
-        html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { (self.title) }
-                    style { (PreEscaped(STYLE)) }
-                }
-                body {
-                    h1 { (self.title) }
-                    p class=(class) { (self.verdict) }
-                    @for paragraph in &self.lead { p { (paragraph) } }
-                    @for section in &self.sections {
-                        section id=(section.id) {
-                            h2 { (section.title) }
-                            @for (k, part) in section.parts.iter().enumerate() {
-                                (part.markup(&format!("{}{k}", section.id)))
-                            }
-                        }
-                    }
-                    section id="settings" {
-                        h2 { "What repeats it" }
-                        div.wide { table { tbody {
-                            @for (name, value) in &self.settings { tr { th scope="row" { (name) } td { (value) } } }
-                            tr { th scope="row" { "paracal" } td { (env!("CARGO_PKG_VERSION")) } }
-                        } } }
+        let body = html! {
+            h1 { (self.title) }
+            p class=(class) { (self.verdict) }
+            @for paragraph in &self.lead { p { (paragraph) } }
+            @for section in &self.sections {
+                section id=(section.id) {
+                    h2 { (section.title) }
+                    @for (k, part) in section.parts.iter().enumerate() {
+                        (part.markup(&format!("{}{k}", section.id)))
                     }
                 }
             }
-        }
-        .into_string()
+            section id="settings" {
+                h2 { "What repeats it" }
+                div.wide { table { tbody {
+                    @for (name, value) in &self.settings { tr { th scope="row" { (name) } td { (value) } } }
+                    tr { th scope="row" { "paracal" } td { (env!("CARGO_PKG_VERSION")) } }
+                } } }
+            }
+        };
+        shell(&self.title, &body)
     }
+}
+
+/// A document around a body, in the style of all pages.
+pub(crate) fn shell(title: &str, body: &Markup) -> String {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body { (body) }
+        }
+    }
+    .into_string()
 }
 
 #[cfg(test)]
