@@ -1,8 +1,8 @@
 //! Figure 5: how the integrated errors of Table 4 are distributed.
 
+use super::conditions::{INDICES, Outcome, outcomes};
 use super::exhibit::Listing;
 use super::sets::Place;
-use super::table4::{INDICES, Outcome, outcomes};
 use super::{Comparison, Exhibit, Lab, ReproduceError, Spread};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::simulation::Running;

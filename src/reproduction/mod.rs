@@ -24,6 +24,7 @@
 
 mod calibrations;
 mod comparison;
+mod conditions;
 mod exhibit;
 mod figure10;
 mod figure5;
@@ -33,6 +34,7 @@ mod figure8;
 mod figure9;
 mod lab;
 pub mod paper;
+mod ranking;
 mod render;
 mod sets;
 mod small_stroke;
