@@ -67,8 +67,6 @@ pub(super) struct Draw {
 pub(super) struct Draws {
     /// By number; `None` if the identification failed.
     pub(super) draws: Vec<Option<Draw>>,
-    /// Why the last one failed.
-    cause: Option<String>,
 }
 
 impl Draws {
@@ -79,6 +77,11 @@ impl Draws {
 
     pub(super) fn integrated(&self) -> Vec<f64> {
         self.each(|d| d.integrated)
+    }
+
+    /// The integrated errors by the number of the draw.
+    pub(super) fn by_number(&self) -> Vec<Option<f64>> {
+        self.draws.iter().map(|d| d.map(|d| d.integrated)).collect()
     }
 
     pub(super) fn failed(&self) -> usize {
@@ -100,14 +103,13 @@ impl Study<'_> {
     /// All draws.
     pub(super) fn run(&self) -> Result<Draws, ReproduceError> {
         let results = monte_carlo(self.draws, self.seed, |_, rng| self.draw(rng));
-        let cause = results.iter().filter_map(|r| r.as_ref().err()).next_back().map(ToString::to_string);
-        let draws: Vec<Option<Draw>> = results.into_iter().map(Result::ok).collect();
-        let failed = draws.iter().filter(|d| d.is_none()).count() as u64;
+        let failed = results.iter().filter(|r| r.is_err()).count() as u64;
         if 2 * failed > self.draws {
+            let cause = results.iter().filter_map(|r| r.as_ref().err()).next_back().map(ToString::to_string);
             let what = format!("{} ({:?})", self.set, self.fit);
             return Err(ReproduceError::Failed { what, failed, draws: self.draws, cause: cause.unwrap_or_default() });
         }
-        Ok(Draws { draws, cause })
+        Ok(Draws { draws: results.into_iter().map(Result::ok).collect() })
     }
 
     fn draw(&self, rng: &mut ChaCha8Rng) -> Result<Draw, ReproduceError> {

@@ -1,6 +1,6 @@
 //! Calibrations under the four conditions of Table 3, from which Table 4 and Figure 5 are made.
 
-use super::calibrations::{Draws, Fit, Study, Truth, calibrate};
+use super::calibrations::{Fit, Study, Truth, calibrate};
 use super::lab::Purpose;
 use super::paper::{CONDITIONS, Condition};
 use super::sets::{Chosen, How, Place, Wanted, choose};
@@ -76,8 +76,7 @@ impl<'a> Bench<'a> {
     }
 
     pub(super) fn wanted(&self, number: usize, how: How, lists: u64) -> Vec<Wanted> {
-        let (n, candidates) = (CONDITIONS[number].poses, self.lab.settings.candidates);
-        (0..lists).map(|list| Wanted { how, n, list, candidates }).collect()
+        Wanted::over(self.lab, how, CONDITIONS[number].poses, lists)
     }
 }
 
@@ -89,24 +88,20 @@ fn plan() -> Vec<(How, Fit)> {
     plan
 }
 
-fn lists_of(lab: &Lab<'_>, how: How) -> u64 {
-    if how == How::Random { lab.random_sets() } else { lab.settings.lists }
-}
-
 /// All calibrations behind Table 4 and Figure 5.
 pub(super) fn outcomes(lab: &Lab<'_>, place: &Place) -> Result<Vec<Outcome>, ReproduceError> {
     let bench = Bench::new(lab, place);
     let mut wanted = Vec::new();
     for number in 0..CONDITIONS.len() {
         for (how, _) in plan() {
-            wanted.extend(bench.wanted(number, how, lists_of(lab, how)));
+            wanted.extend(bench.wanted(number, how, how.lists(lab)));
         }
     }
     let mut chosen = choose(lab, place, "table 4", &wanted)?.into_iter();
     let mut studies = Vec::new();
     for (number, condition) in CONDITIONS.iter().enumerate() {
         for (how, fit) in plan() {
-            for list in 0..lists_of(lab, how) {
+            for list in 0..how.lists(lab) {
                 let Some(set) = chosen.next() else { continue };
                 let name = format!("{how:?} {}, list {list}", condition.name);
                 let draws = if how == How::Random { DRAWS_A_RANDOM_SET } else { lab.settings.draws };
@@ -116,8 +111,7 @@ pub(super) fn outcomes(lab: &Lab<'_>, place: &Place) -> Result<Vec<Outcome>, Rep
     }
     let mut results = calibrate(lab, "table 4", &studies)?.into_iter();
     let mut take = |count: u64| -> Vec<Vec<Option<f64>>> {
-        let integrated = |d: Draws| d.draws.iter().map(|d| d.map(|d| d.integrated)).collect();
-        results.by_ref().take(count as usize).map(integrated).collect()
+        results.by_ref().take(count as usize).map(|draws| draws.by_number()).collect()
     };
     let lists = lab.settings.lists;
     let outcome = |condition: &'static Condition| Outcome {

@@ -26,9 +26,8 @@ struct Curve {
 impl Curve {
     fn lists(&self, lab: &Lab<'_>) -> u64 {
         match self.how {
-            How::Random => lab.random_sets(),
             How::Improved => IMPROVED_LISTS,
-            _ => lab.settings.lists,
+            how => how.lists(lab),
         }
     }
 
@@ -83,10 +82,8 @@ fn curves(lab: &Lab<'_>, place: &Place) -> Result<[Curve; 5], ReproduceError> {
         curve("random, weighted rows", How::Random, Fit::Weighted),
         curve("improved poses, weighted rows", How::Improved, Fit::Weighted),
     ];
-    let wanted_by = |c: &Curve| -> Vec<Wanted> {
-        let one = |n: usize, list: u64| Wanted { how: c.how, n, list, candidates: lab.settings.candidates };
-        POSES.iter().flat_map(|n| (0..c.lists(lab)).map(move |list| one(*n, list))).collect()
-    };
+    let wanted_by =
+        |c: &Curve| -> Vec<Wanted> { POSES.iter().flat_map(|n| Wanted::over(lab, c.how, *n, c.lists(lab))).collect() };
     let mut studies = Vec::new();
     for c in &curves {
         let wanted = wanted_by(c);
@@ -215,12 +212,8 @@ fn bump(chosen: &Curve, random: &Curve, weighted: &Curve) -> String {
 
 /// How many of the 20 poses the two scalings share among the same candidates.
 fn equal_poses(lab: &Lab<'_>, place: &Place) -> Result<String, ReproduceError> {
-    let sets = |how: How| {
-        let wanted: Vec<Wanted> = (0..lab.settings.lists)
-            .map(|list| Wanted { how, n: paper::POSES, list, candidates: lab.settings.candidates })
-            .collect();
-        choose(lab, place, "both scalings", &wanted)
-    };
+    let sets =
+        |how: How| choose(lab, place, "both scalings", &Wanted::over(lab, how, paper::POSES, lab.settings.lists));
     let (plain, whitened) = (sets(How::Tabu("o1"))?, sets(How::WhitenedTabu)?);
     let shared = Running::of(plain.iter().zip(&whitened).map(|(a, b)| a.shared_with(b) as f64));
     Ok(format!(

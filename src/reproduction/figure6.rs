@@ -8,12 +8,8 @@ use crate::simulation::Running;
 
 pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let searches = |how: How| {
-        let wanted: Vec<Wanted> = (0..lab.settings.lists)
-            .map(|list| Wanted { how, n: paper::POSES, list, candidates: lab.settings.candidates })
-            .collect();
-        choose(lab, &place, "figure 6", &wanted)
-    };
+    let searches =
+        |how: How| choose(lab, &place, "figure 6", &Wanted::over(lab, how, paper::POSES, lab.settings.lists));
     let (tabu, plain) = (searches(How::Tabu("o1"))?, searches(How::Detmax("o1"))?);
     let (value, to_best, to_end) = paper::SEARCH;
     let over = |chosen: &[Chosen], f: fn(&Chosen) -> f64| Spread::of(&chosen.iter().map(f).collect::<Vec<f64>>());

@@ -40,10 +40,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
         }
     }
     let first = &summaries[0];
-    let searched: Vec<Wanted> = lists
-        .iter()
-        .map(|list| Wanted { how: How::Tabu("o1"), n: paper::POSES, list: *list, candidates: lab.settings.candidates })
-        .collect();
+    let searched = Wanted::over(lab, How::Tabu("o1"), paper::POSES, lab.settings.lists);
     let searched = Running::of(choose(lab, &place, "figure 7", &searched)?.iter().map(|c| c.value));
     let random = over(Running::mean).mean;
     let findings = vec![format!(

@@ -274,6 +274,5 @@ pub(super) fn one_draw(lab: &Lab<'_>, number: u64) -> ChaCha8Rng {
 
 /// The 20 poses of section 5.
 pub(super) fn chosen_set(lab: &Lab<'_>, place: &Place) -> Result<Vec<Pose>, ReproduceError> {
-    let wanted = Wanted { how: How::Tabu("o1"), n: paper::POSES, list: 0, candidates: lab.settings.candidates };
-    Ok(choose(lab, place, "20 poses", &[wanted])?[0].poses())
+    Ok(choose(lab, place, "20 poses", &Wanted::over(lab, How::Tabu("o1"), paper::POSES, 1))?[0].poses())
 }

@@ -33,9 +33,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
         };
         Ok(study.run_once(truth.as_ref(), &mut one_draw(lab, 0))?.errors)
     };
-    let wanted: Vec<Wanted> = (0..RANDOM_SETS)
-        .map(|list| Wanted { how: How::Random, n: paper::POSES, list, candidates: lab.settings.candidates })
-        .collect();
+    let wanted = Wanted::over(lab, How::Random, paper::POSES, RANDOM_SETS);
     let mut random = choose(lab, &place, "figure 9", &wanted)?
         .iter()
         .map(|set| calibrated(set.poses()))

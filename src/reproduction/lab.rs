@@ -34,6 +34,27 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// That something can be done with them, before anything is.
+    ///
+    /// # Errors
+    /// [`ReproduceError::Settings`] for settings that leave nothing to compare (40 draws for percentiles, three lists for a
+    /// spread, as many candidates as the largest set and a tabu list take), or no end.
+    pub fn check(&self) -> Result<(), ReproduceError> {
+        let Settings { draws, candidates, lists, .. } = *self;
+        for (what, value, (least, most)) in [
+            ("the number of draws", draws, (40, 1_000_000)),
+            ("the number of candidates", candidates as u64, (200, 100_000)),
+            ("the number of lists", lists, (3, 1000)),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Err(ReproduceError::Settings { what, value, least, most });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// How far the work has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'a> {
@@ -116,23 +137,13 @@ impl<'a> Lab<'a> {
     /// A lab with these settings.
     ///
     /// # Errors
-    /// [`ReproduceError::Settings`] for settings that leave nothing to compare (40 draws for percentiles, three lists for a
-    /// spread, as many candidates as the largest set and a tabu list take), or no end.
+    /// As [`Settings::check`].
     pub fn new(
         settings: Settings,
         journal: &'a Journal,
         watch: &'a (dyn Fn(Progress<'_>) + Sync),
     ) -> Result<Self, ReproduceError> {
-        let Settings { draws, candidates, lists, .. } = settings;
-        for (what, value, (least, most)) in [
-            ("the number of draws", draws, (40, 1_000_000)),
-            ("the number of candidates", candidates as u64, (200, 100_000)),
-            ("the number of lists", lists, (3, 1000)),
-        ] {
-            if !(least..=most).contains(&value) {
-                return Err(ReproduceError::Settings { what, value, least, most });
-            }
-        }
+        settings.check()?;
         Ok(Self { settings, journal, watch })
     }
 

@@ -83,6 +83,20 @@ pub(super) struct Wanted {
     pub(super) candidates: usize,
 }
 
+impl How {
+    /// Lists that a calibration is repeated over: as many as are asked for, and more random sets.
+    pub(super) fn lists(self, lab: &Lab<'_>) -> u64 {
+        if self == Self::Random { lab.random_sets() } else { lab.settings.lists }
+    }
+}
+
+impl Wanted {
+    /// A set of `n` poses from each of the first `lists` lists, with the candidates of the settings.
+    pub(super) fn over(lab: &Lab<'_>, how: How, n: usize, lists: u64) -> Vec<Self> {
+        (0..lists).map(|list| Self { how, n, list, candidates: lab.settings.candidates }).collect()
+    }
+}
+
 /// A chosen set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Chosen {

@@ -37,8 +37,7 @@ pub(super) fn compare(lab: &Lab<'_>) -> Result<SmallStroke, ReproduceError> {
     let mut rows = Vec::new();
     let mut studies = Vec::new();
     for ((space, place), targets) in places.iter().zip(&targets) {
-        let wanted = Wanted { how: How::Improved, n: paper::POSES, list: 0, candidates: lab.settings.candidates };
-        let chosen = choose(lab, place, "a small stroke", &[wanted])?;
+        let chosen = choose(lab, place, "a small stroke", &Wanted::over(lab, How::Improved, paper::POSES, 1))?;
         for fit in FITS {
             rows.push((*space, fit));
             studies.push(Study {

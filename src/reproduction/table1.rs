@@ -34,7 +34,10 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     let efforts = efforts(lab, &place)?;
     for (candidates, remark) in OTHER_CANDIDATES {
         let how = How::Tabu("o1");
-        let wanted = over_lists(lab, |list| Wanted { how, n: paper::POSES, list, candidates });
+        let wanted: Vec<Wanted> = Wanted::over(lab, how, paper::POSES, lab.settings.lists)
+            .into_iter()
+            .map(|wanted| Wanted { candidates, ..wanted })
+            .collect();
         let values: Vec<f64> = choose(lab, &place, "other lists", &wanted)?.iter().map(|c| c.value).collect();
         let quantity = format!("O1, 20 poses of {candidates}, tabu DETMAX");
         let row = Comparison::new(quantity, "", paper::TABLE_1[0].1[0], Spread::of(&values));
@@ -62,10 +65,6 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     })
 }
 
-fn over_lists(lab: &Lab<'_>, wanted: impl Fn(u64) -> Wanted) -> Vec<Wanted> {
-    (0..lab.settings.lists).map(wanted).collect()
-}
-
 fn rows(lab: &Lab<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
     let mut rows = Vec::new();
     let mut wanted = Vec::new();
@@ -74,7 +73,7 @@ fn rows(lab: &Lab<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
             for (n, paper) in paper::TABLE_1_POSES.into_iter().zip(printed) {
                 let how = if tabu { How::Tabu(index) } else { How::Detmax(index) };
                 rows.push(Row { index, tabu, n, paper, values: Vec::new() });
-                wanted.extend(over_lists(lab, |list| Wanted { how, n, list, candidates: lab.settings.candidates }));
+                wanted.extend(Wanted::over(lab, how, n, lab.settings.lists));
             }
         }
     }
@@ -146,8 +145,7 @@ struct Efforts {
 
 fn efforts(lab: &Lab<'_>, place: &Place) -> Result<Efforts, ReproduceError> {
     let values = |how: How| -> Result<Vec<Chosen>, ReproduceError> {
-        let wanted = over_lists(lab, |list| Wanted { how, n: paper::POSES, list, candidates: lab.settings.candidates });
-        choose(lab, place, "restarts", &wanted)
+        choose(lab, place, "restarts", &Wanted::over(lab, how, paper::POSES, lab.settings.lists))
     };
     let of = |chosen: &[Chosen]| chosen.iter().map(|c| c.value).collect::<Vec<f64>>();
     let restarts = values(How::Restarts)?;

@@ -98,8 +98,7 @@ fn smaller_workspace(lab: &Lab<'_>) -> Result<Vec<Comparison>, ReproduceError> {
     }
     let draws = calibrate(lab, "table 4", &studies)?;
     let of_condition = |(condition, draws): (&Condition, &[Draws])| {
-        let lists: Vec<Vec<Option<f64>>> =
-            draws.iter().map(|d| d.draws.iter().map(|d| d.map(|d| d.integrated)).collect()).collect();
+        let lists: Vec<Vec<Option<f64>>> = draws.iter().map(Draws::by_number).collect();
         let quantity =
             format!("{} O1, {} poses, within {} mm and {} deg", condition.name, condition.poses, SMALLER.0, SMALLER.1);
         Comparison::new(quantity, "mm + deg", condition.integrated[0], pooled(&lists))

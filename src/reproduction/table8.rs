@@ -53,12 +53,9 @@ fn ways(lab: &Lab<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
         way("improved poses, weighted rows", How::Improved, Fit::Weighted, false),
     ];
     let mut studies = Vec::new();
-    let lists_of = |how: How| if how == How::Random { lab.random_sets() } else { lab.settings.lists };
     for way in &ways {
-        let lists = lists_of(way.how);
-        let wanted: Vec<Wanted> = (0..lists)
-            .map(|list| Wanted { how: way.how, n: paper::POSES, list, candidates: lab.settings.candidates })
-            .collect();
+        let lists = way.how.lists(lab);
+        let wanted = Wanted::over(lab, way.how, paper::POSES, lists);
         for (list, set) in choose(lab, place, "table 8", &wanted)?.iter().enumerate() {
             studies.push(Study {
                 place,
@@ -76,7 +73,7 @@ fn ways(lab: &Lab<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
     }
     let mut results = calibrate(lab, "table 8", &studies)?.into_iter();
     for way in &mut ways {
-        way.draws = results.by_ref().take(lists_of(way.how) as usize).collect();
+        way.draws = results.by_ref().take(way.how.lists(lab) as usize).collect();
     }
     Ok(ways)
 }

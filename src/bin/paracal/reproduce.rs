@@ -48,8 +48,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let settings = Settings { draws: args.draws, candidates: args.candidates, lists: args.lists, seed: args.seed };
     let bar = ui.steps("");
     let watch = |p: Progress<'_>| bar.work(p.what, p.done, p.total);
-    // Settings are looked at before anything is written.
-    Lab::new(settings, &Journal::in_memory(), &watch)?;
+    settings.check()?;
     let names: Vec<&str> = EXHIBITS.into_iter().filter(|name| args.exhibit == ALL || args.exhibit == *name).collect();
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", args.out.display()))?;

@@ -1,6 +1,7 @@
 //! The page of `diagnose`.
 
 use super::page::{Page, Part, Section, Tone};
+use super::residuals::{ARCSECONDS, MICROMETRES};
 use crate::diagnosis::{Cause, Diagnosis, Verdict};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 use crate::report::text;
@@ -82,7 +83,6 @@ fn gain(d: &Diagnosis) -> Figure {
             ..Panel::default()
         }
     };
-    let arcseconds = 1_f64.to_degrees() * 3600.0;
     Figure {
         title: "Error on rows that were not fitted".into(),
         description:
@@ -91,8 +91,8 @@ fn gain(d: &Diagnosis) -> Figure {
                 .into(),
         columns: 2,
         panels: vec![
-            panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, 1e6),
-            panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, arcseconds),
+            panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, MICROMETRES),
+            panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
         ],
     }
 }

@@ -6,10 +6,10 @@ use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 /// A model's errors and what it is called.
 pub(super) type Named<'a> = (&'a str, &'a ModelErrors);
 
-/// m to um, and rad to arcsec.
-const MICROMETRES: f64 = 1e6;
+/// Micrometres in a metre.
+pub(super) const MICROMETRES: f64 = 1e6;
 /// Arc seconds in a radian.
-const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
+pub(super) const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Position and attitude error of each row for some models, with the stated noise of a vector length (m, rad).
 pub(super) fn by_row(models: &[Named<'_>], noise: Option<(f64, f64)>) -> Figure {
