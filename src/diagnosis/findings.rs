@@ -1,6 +1,7 @@
 //! From the end of the search to the answer.
 
 use super::covariates::covariates;
+use super::evidence::{added_variable, joint_residuals};
 use super::explore::Explored;
 use super::gain::{folds, held_out, rms};
 use super::limits::{lambda, limit};
@@ -109,6 +110,7 @@ pub(super) fn findings(
         unknown,
         misread: None,
         outlier_rows: rows,
+        residuals: joint_residuals(subject, explored, &without, judged),
         noise_varies,
         correlation: explored.correlation,
         gain: gain(question, &without, judged, &kept),
@@ -180,6 +182,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
         let own = &scores[name.group];
         let place = name.at(&subject.groups, &rows);
         let variance = model.noise.variance() * explored.fitting.inflation;
+        let sigma = model.noise.variance().sqrt();
         let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
         let lambda_limit = lambda(own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
@@ -204,6 +207,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
             tied_with,
             size_over_limit: size,
             tentative: size < TENTATIVE,
+            added_variable: added_variable(explored, &subject.groups, &without, name, &values, sigma),
             plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
         });
         at += p;

@@ -33,6 +33,7 @@ mod assignment;
 mod covariates;
 mod design;
 mod error;
+mod evidence;
 mod explore;
 mod findings;
 mod gain;
@@ -58,7 +59,8 @@ use std::sync::Arc;
 pub use design::{detection_limits, planned};
 pub use error::DiagnoseError;
 pub use result::{
-    Cause, CauseParameter, Diagnosis, Gain, Misread, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
+    AddedVariable, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound, NotTestable,
+    Rival, Unknown, Verdict,
 };
 
 pub use settle::{Plan, Separation, TOLD_APART, settle};
@@ -164,6 +166,7 @@ fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
         unknown: None,
         misread: Some(misread),
         outlier_rows: Vec::new(),
+        residuals: Vec::new(),
         noise_varies: None,
         correlation: None,
         gain: Gain::default(),

@@ -100,6 +100,29 @@ pub struct Cause {
     pub tentative: bool,
     /// True if every value is within ten times its usual size.
     pub plausible: bool,
+    /// What is left without it over its share.
+    pub added_variable: AddedVariable,
+}
+
+/// An added-variable plot: a cause that is one lies along the diagonal, and its slope over its scatter is its evidence.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AddedVariable {
+    /// For each row of the readings the share of the cause that nothing else imitates, and what is left without the cause
+    /// (measured minus predicted), both over the estimated noise of the row.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What is left of one sample, measured minus predicted, as a change of each joint, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointResiduals {
+    /// 0-based data row.
+    pub row: usize,
+    /// True if the sample was left out as a gross error.
+    pub left_out: bool,
+    /// Beside the kinematic parameters alone.
+    pub before: Vec<f64>,
+    /// Beside the causes too.
+    pub after: Vec<f64>,
 }
 
 /// Something that no name explains.
@@ -221,6 +244,8 @@ pub struct Diagnosis {
     pub misread: Option<Misread>,
     /// Data rows that were left out as gross errors.
     pub outlier_rows: Vec<usize>,
+    /// What is left in the joints, sample by sample.
+    pub residuals: Vec<JointResiduals>,
     /// Noise that varies.
     pub noise_varies: Option<NoiseVaries>,
     /// Correlation of each row with the one before, if it is more than chance.

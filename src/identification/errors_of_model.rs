@@ -67,20 +67,33 @@ impl ModelErrors {
 /// # Errors
 /// [`IdentifyError::Sample`] if a sample has no pose.
 pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
-    let count = data.model().own_parameters().len();
-    let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
-    let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
-    let errors = |(k, pose): (usize, &Pose)| {
+    let samples = each_sample(mechanism, own, data, |k, _, rows| {
         let kinds = data.rows(k);
-        let mut rows = Rows::sized(kinds.len(), count);
-        let (model, index) = data.reading(k);
-        model.evaluate(index, pose, &data.frames, &own, &mut rows);
         let sum = |kind: RowKind| {
             let squares: Vec<f64> =
                 kinds.iter().zip(rows.residual.iter()).filter(|(k, _)| **k == kind).map(|(_, r)| r * r).collect();
             (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
         };
         PoseErrors { row: data.sample(k).row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
+    })?;
+    Ok(ModelErrors { samples })
+}
+
+/// Looks at each sample with its predicted pose and its residual `ŷ - y`.
+pub(super) fn each_sample<T>(
+    mechanism: &dyn Mechanism,
+    own: &[f64],
+    data: &Dataset,
+    look: impl Fn(usize, &Pose, &Rows) -> T,
+) -> Result<Vec<T>, IdentifyError> {
+    let count = data.model().own_parameters().len();
+    let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
+    let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
+    let sample = |(k, pose): (usize, &Pose)| {
+        let mut rows = Rows::sized(data.rows(k).len(), count);
+        let (model, index) = data.reading(k);
+        model.evaluate(index, pose, &data.frames, &own, &mut rows);
+        look(k, pose, &rows)
     };
-    Ok(ModelErrors { samples: poses.iter().enumerate().map(errors).collect() })
+    Ok(poses.iter().enumerate().map(sample).collect())
 }

@@ -24,6 +24,7 @@
 //! target sits, six leg offsets. They are identified like any other, reported, and not judged.
 
 mod calibration;
+mod deviations;
 mod error;
 mod errors_of_model;
 mod held_out;
@@ -42,6 +43,7 @@ mod weak_directions;
 mod whitening;
 
 pub use calibration::{Calibration, CalibrationOptions, calibrate};
+pub use deviations::{Deviation, deviations};
 pub use error::IdentifyError;
 pub use errors_of_model::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
 pub use held_out::{HeldOut, Holdout};

@@ -185,13 +185,15 @@ pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
              Measurement Pose”, Appl. Sci. 13 (2023) 4824. The paper prints single draws of a simulation; here each \
              number stands among many draws."
         }
-        p { strong {
-            "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
-            " are not reproduced. Of " (claims.0) " statements " (claims.1) " hold."
-        } }
-        nav { ul { @for e in exhibits {
-            li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }
-        } } }
+        @if exhibits.len() > 1 {
+            p { strong {
+                "Of " (held + drawn + not) " numbers " (held) " are reproduced, " (drawn) " lie within one draw, " (not)
+                " are not reproduced. Of " (claims.0) " statements " (claims.1) " hold."
+            } }
+            nav { ul { @for e in exhibits {
+                li { a href=(format!("#{}", e.name)) { (e.name) } " " (e.title) ". " (e.summary()) }
+            } } }
+        }
         @for e in exhibits { (e.section()) }
         p { small { "paracal " (env!("CARGO_PKG_VERSION")) "; " (settings.text()) "." } }
     };

@@ -24,6 +24,7 @@ mod least_squares;
 mod levenberg_marquardt;
 mod linear;
 mod newton;
+mod shortest;
 mod state;
 
 use gauss_newton::GaussNewton;
@@ -34,3 +35,4 @@ pub use least_squares::{
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
+pub(crate) use shortest::shortest_solution;

@@ -9,13 +9,13 @@ use paracal::effect::{ActiveEffect, effects_of};
 use paracal::files::{CsvTable, EffectEntry, Machine, Measurement, Outputs, number};
 use paracal::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
-    Robust, Weights, calibrate, evaluate, identifier,
+    Robust, Weights, calibrate, identifier,
 };
 use paracal::measurement::MeasurementModel;
-use paracal::report::html::{self, Page};
+use paracal::report::html::{self, Measured, Page, Seen};
 use paracal::report::{json, text};
 
-use crate::common::{Ui, about, settings, vector_noise, verdict};
+use crate::common::{Ui, about, page_subject, settings, verdict};
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Prior {
@@ -173,12 +173,14 @@ fn page(args: &Args, machine: &Machine, measurement: &Measurement, result: &Cali
     let data = &measurement.data;
     let about = |error| about(error, machine, &args.data, data);
     let aligned = data.with_frames(result.registration.frames);
-    let before = evaluate(machine.mechanism.as_ref(), &[], &aligned).map_err(about)?;
     let own = result.identification.own_values();
-    let after = evaluate(result.mechanism.as_ref(), &own, data).map_err(about)?;
-    let models = [("calibrated", &after), ("as it was given", &before)];
-    let settings = settings(&[&args.mechanism, &args.data]);
-    Ok(html::calibration(result, machine.mechanism.name(), text, &models, vector_noise(machine), settings))
+    let models = [
+        Seen::through("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
+        Seen::through("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
+    ];
+    let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.data]));
+    let subject = page_subject(machine, result.mechanism.as_ref(), settings);
+    Ok(html::calibration(result, text, &subject, &Measured { data, models: &models }))
 }
 
 /// The effects of the file with the identified values, their 1σ, and the range of the data.

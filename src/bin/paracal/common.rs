@@ -1,10 +1,11 @@
 //! What the commands share: reading, warnings, progress, exit codes.
 
 use std::io::IsTerminal;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use crate::paint::Paint;
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use paracal::conditions::Conditions;
@@ -12,7 +13,9 @@ use paracal::files::{CsvTable, Machine, Measurement, UrdfOptions, number, read_m
 use paracal::identification::IdentifyError;
 use paracal::measurement::Dataset;
 use paracal::mechanism::Mechanism;
+use paracal::report::html;
 use paracal::units::Dimension;
+use sha2::{Digest, Sha256};
 
 /// Exit code of a wrong input or call.
 const WRONG: u8 = 2;
@@ -33,15 +36,22 @@ impl Ui {
     /// Prints the result: JSON or text.
     pub(crate) fn result(&self, text: &str, json: &serde_json::Value) {
         use std::io::Write;
-        let shown = if self.json { json.to_string() } else { text.to_owned() };
+        let mut out = std::io::stdout();
+        let shown = match (self.json, text.rsplit_once('\n')) {
+            (true, _) => json.to_string(),
+            // The last line is the result in a sentence.
+            (false, Some((before, last))) => format!("{before}\n{}", Paint::of(&out).bold(last)),
+            (false, None) => text.to_owned(),
+        };
         // A reader that closed the pipe (`| head`) wants no more; that is no error of ours.
-        let _ = writeln!(std::io::stdout(), "{shown}");
+        let _ = writeln!(out, "{shown}");
     }
 
     /// Prints a warning on standard error.
     pub(crate) fn warn(&self, warning: &str) {
         if !self.quiet {
-            tell(&format!("warning: {warning}"));
+            let paint = Paint::of(&std::io::stderr());
+            tell(&format!("{} {warning}", paint.yellow("warning:")));
         }
     }
 
@@ -170,7 +180,7 @@ pub(crate) fn verdict(trusted: bool) -> ExitCode {
 
 /// Prints an error.
 pub(crate) fn report_error(error: &anyhow::Error) -> ExitCode {
-    tell(&format!("error: {error:#}"));
+    tell(&format!("{} {error:#}", Paint::of(&std::io::stderr()).red("error:")));
     ExitCode::from(WRONG)
 }
 
@@ -211,19 +221,55 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
     ))
 }
 
-/// What repeats a command, for its report: the call and its inputs with their sizes.
-pub(crate) fn settings(inputs: &[&Path]) -> Vec<(String, String)> {
-    let call: Vec<String> = std::env::args().skip(1).collect();
+/// What repeats a command, for its report: the call, the seed, and the inputs with their sizes and SHA-256.
+pub(crate) fn settings<P: AsRef<Path>>(
+    seed: Option<u64>,
+    inputs: impl IntoIterator<Item = P>,
+) -> Vec<(String, String)> {
+    let call: Vec<String> = std::env::args().skip(1).map(|word| quoted(&word)).collect();
     let mut settings = vec![("call".to_owned(), format!("paracal {}", call.join(" ")))];
+    settings.extend(seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+    let mut seen: Vec<PathBuf> = Vec::new();
     for input in inputs {
-        let size = std::fs::metadata(input).map_or_else(|_| String::new(), |m| format!("{} bytes", m.len()));
-        settings.push((input.display().to_string(), size));
+        let path = input.as_ref();
+        if seen.iter().any(|other| other == path) {
+            continue;
+        }
+        seen.push(path.into());
+        // A pipe was read already and cannot be read again.
+        let said = match std::fs::metadata(path)
+            .ok()
+            .filter(std::fs::Metadata::is_file)
+            .and_then(|_| std::fs::read(path).ok())
+        {
+            Some(bytes) => format!("{} bytes, SHA-256 {}", bytes.len(), hexadecimal(&Sha256::digest(&bytes))),
+            None => "not a file that can be read twice".into(),
+        };
+        settings.push((path.display().to_string(), said));
     }
     settings
 }
 
-/// The stated noise of a vector length, m and rad.
-pub(crate) fn vector_noise(machine: &Machine) -> Option<(f64, f64)> {
-    let noise = machine.noise.as_ref()?;
-    Some((3_f64.sqrt() * noise.position, 3_f64.sqrt() * noise.rotation))
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=.,/:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// What a page says of the mechanism.
+pub(crate) fn page_subject<'a>(
+    machine: &'a Machine,
+    mechanism: &'a dyn Mechanism,
+    settings: Vec<(String, String)>,
+) -> html::Subject<'a> {
+    let noise = machine.noise.as_ref().map(|n| [n.position, n.rotation]);
+    html::Subject { mechanism, convention: &machine.convention, noise, settings }
 }

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use paracal::diagnosis::{Question, Verdict, diagnose};
+use paracal::diagnosis::{Question, Verdict, diagnose, settle};
 use paracal::report::{html, json, text};
 
 use crate::case::CaseArgs;
-use crate::common::{Ui, settings, verdict};
+use crate::common::{Ui, page_subject, settings, verdict};
 
 /// Arguments of `diagnose`.
 #[derive(clap::Args)]
@@ -48,8 +48,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         }
     }
     if let Some(path) = &args.report {
-        let settings = settings(&[&args.case.mechanism, &args.case.data]);
-        outputs.add(path, html::diagnosis(&found, machine.mechanism.name(), settings).html())?;
+        let progress = ui.progress("looking for measurements that settle".into());
+        let plans = settle(&question, &found).map_err(|error| case.about(error))?;
+        progress.finish_and_clear();
+        let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.case.data]));
+        let subject = page_subject(machine, machine.mechanism.as_ref(), settings);
+        outputs.add(path, html::diagnosis(&found, &plans, &subject, data).html())?;
     }
     outputs.write()?;
     ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found));

@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use anyhow::Result;
 use paracal::files::Outputs;
 use paracal::identification::evaluate;
-use paracal::report::{html, json, text};
+use paracal::report::html::{self, Measured, Seen};
+use paracal::report::{json, text};
 
-use crate::common::{Ui, about, settings, vector_noise};
+use crate::common::{Ui, about, page_subject, settings};
 
 /// Arguments of `evaluate`.
 #[derive(clap::Args)]
@@ -36,8 +37,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let measurement = ui.measurement(&args.data, &machine)?;
     ui.refer(&mut machine, &measurement.data, &args.data);
     let mechanism = machine.mechanism.as_ref();
-    let errors = evaluate(mechanism, &[], &measurement.data)
-        .map_err(|error| about(error, &machine, &args.data, &measurement.data))?;
+    let wrong = |error| about(error, &machine, &args.data, &measurement.data);
+    let errors = evaluate(mechanism, &[], &measurement.data).map_err(wrong)?;
     let size = paracal::mechanism::characteristic_length(mechanism);
     if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
         ui.warn(match &measurement.contacts {
@@ -46,8 +47,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         });
     }
     if let Some(path) = &args.report {
-        let settings = settings(&[&args.mechanism, &args.data]);
-        outputs.add(path, html::evaluation(&errors, mechanism.name(), vector_noise(&machine), settings).html())?;
+        let models = [Seen::through("model", mechanism, &[], &measurement.data).map_err(wrong)?];
+        let subject = page_subject(&machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
+        let measured = Measured { data: &measurement.data, models: &models };
+        outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
         outputs.write()?;
     }
     ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));

@@ -5,11 +5,13 @@ mod campaign_limits;
 mod case;
 mod common;
 mod compensate;
+mod completions;
 mod convert;
 mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
+mod paint;
 mod reproduce;
 mod select;
 mod settle;
@@ -18,7 +20,7 @@ mod urdf_args;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use common::{Ui, report_error};
 
@@ -67,6 +69,8 @@ enum Command {
     Convert(convert::Args),
     /// Tables and figures of Yu, Wu, Wang 2023, and what of them holds.
     Reproduce(reproduce::Args),
+    /// What a shell needs to complete commands and options.
+    Completions(completions::Args),
 }
 
 fn main() -> ExitCode {
@@ -91,6 +95,7 @@ fn main() -> ExitCode {
         Command::Compensate(args) => compensate::run(args, &ui),
         Command::Convert(args) => convert::run(args, &ui),
         Command::Reproduce(args) => reproduce::run(args, &ui),
+        Command::Completions(args) => completions::run(args, Cli::command()),
     };
     match done {
         Ok(code) => code,

@@ -29,6 +29,9 @@ pub(crate) struct Args {
     /// Folder for tables (CSV), figures (SVG) and texts; it is made if there is none.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Page to write: what was asked for, with verdicts, tables and pictures (HTML); `all` also writes paper.html.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Noise draws for each set of poses.
     #[arg(long, value_name = "N", default_value_t = Settings::default().draws)]
     draws: u64,
@@ -52,6 +55,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let names: Vec<&str> = EXHIBITS.into_iter().filter(|name| args.exhibit == ALL || args.exhibit == *name).collect();
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("{}: the folder cannot be made; name another with --out", args.out.display()))?;
+    pages(args, "", &mut Vec::new())?;
     // Another exhibit or other settings keep a journal of their own.
     let Settings { draws, candidates, lists, seed } = settings;
     let name = format!("unfinished-{}-{draws}-{candidates}-{lists}-{seed}.journal", args.exhibit);
@@ -67,18 +71,23 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         files.extend(write(&args.out, &exhibit, &settings)?);
         exhibits.push(exhibit);
     }
-    if args.exhibit == ALL {
-        let path = args.out.join(PAGE);
-        let mut outputs = Outputs::default();
-        outputs.add(&path, page(&exhibits, &settings))?;
-        outputs.write()?;
-        files.push(path);
-    }
+    pages(args, &page(&exhibits, &settings), &mut files)?.write()?;
     journal.remove()?;
     bar.finish();
     let seconds = start.elapsed().as_secs_f64();
     ui.result(&text(args, &exhibits, &settings, seconds), &object(&exhibits, &settings, &files, seconds));
     Ok(ExitCode::SUCCESS)
+}
+
+/// The pages to write with this text, after the files that are there.
+fn pages(args: &Args, text: &str, files: &mut Vec<PathBuf>) -> Result<Outputs> {
+    let beside = (args.exhibit == ALL).then(|| args.out.join(PAGE));
+    let mut outputs = Outputs::default();
+    for path in beside.into_iter().chain(args.report.clone()) {
+        outputs.add(&path, text)?;
+        files.push(path);
+    }
+    Ok(outputs)
 }
 
 /// Writes the files of an exhibit, all or none; their names.

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use paracal::files::{ListedPose, Machine, Outputs, read_poses};
 use paracal::observability::{INDICES, Scaling, index};
 use paracal::pose::Pose;
-use paracal::report::{json, text};
+use paracal::report::{html, json, text};
 use paracal::selection::{
     Aim, Campaign, Candidates, Exchange, Forecaster, MOST_POSES, Plan, PoseSelector, Report, Requirement, SELECTORS,
     SelectionError, Sources, TabuDetmax, how_many, select_among, selector, smallest_number,
@@ -16,7 +16,7 @@ use paracal::selection::{
 use paracal::units::{Dimension, parse_quantity};
 
 use crate::campaign_limits::DiagnosisArgs;
-use crate::common::{JointsAndPose, Ui, joints_and_poses};
+use crate::common::{JointsAndPose, Ui, joints_and_poses, page_subject, settings};
 
 #[derive(Clone, Copy, ValueEnum)]
 enum ScalingChoice {
@@ -35,6 +35,9 @@ pub(crate) struct Args {
     /// List of poses to write, with the joints to command.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Page to write: the poses, how the choice came about, what it promises (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Number of poses in all, given ones included.
     #[arg(short, value_name = "N", conflicts_with = "require")]
     n: Option<usize>,
@@ -91,6 +94,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let inputs = std::iter::once(&args.mechanism).chain(lists.into_iter().flatten());
     let mut outputs = Outputs::beside_inputs(inputs);
     outputs.check(&args.output)?;
+    if let Some(path) = &args.report {
+        outputs.check(path)?;
+    }
     let requirement = args.require.as_deref().map(requirement).transpose()?;
     if args.n == Some(0) {
         bail!("-n 0: select at least one pose");
@@ -226,7 +232,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         args.seed
     );
     outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
-    outputs.write()?;
     let shown = text::Selection {
         title: mechanism.name(),
         report: &report,
@@ -238,6 +243,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         limits: limits.as_ref(),
         file: &args.output.display().to_string(),
     };
+    if let Some(path) = &args.report {
+        let read = machine.inputs().iter().chain(lists.into_iter().flatten());
+        let subject = page_subject(&machine, mechanism, settings(Some(args.seed), read));
+        outputs.add(path, html::selection(&shown, &subject).html())?;
+    }
+    outputs.write()?;
     let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();
     ui.result(&text::selection(&shown), &json::selection(&shown, &coordinates, seconds));
     Ok(ExitCode::SUCCESS)

@@ -20,6 +20,7 @@ pub(super) enum Look {
     LineWithDots,
     ErrorBars,
     Dots,
+    Bubbles,
 }
 
 impl Look {
@@ -29,7 +30,8 @@ impl Look {
             Shape::Dashed => Self::Dashed,
             Shape::Dots => Self::Dots,
             Shape::LineWithDots => Self::LineWithDots,
-            Shape::Bars { .. } => Self::Bars,
+            Shape::Bars { .. } | Shape::Cells { .. } => Self::Bars,
+            Shape::Bubbles { .. } => Self::Bubbles,
             Shape::ErrorBars { .. } => Self::ErrorBars,
             Shape::Band { .. } => Self::Band,
         }
@@ -132,6 +134,7 @@ fn swatch(canvas: &mut Canvas, (colour, look): (usize, Look), x: f64, y: f64, ma
             canvas.path(marker_class(), &mark(4.0), None);
         }
         Look::Dots => canvas.path(marker_class(), &mark(4.2), None),
+        Look::Bubbles => canvas.path("over", &marker(0, middle, y, 6.0), None),
     }
     canvas.raw("</g>\n");
 }

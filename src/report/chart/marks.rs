@@ -98,7 +98,7 @@ impl Plot<'_> {
         self.x.draws(x) && self.y.draws(y)
     }
 
-    fn shows(&self, [x, y]: [f64; 2]) -> bool {
+    pub(super) fn shows(&self, [x, y]: [f64; 2]) -> bool {
         self.x.contains(x) && self.y.contains(y)
     }
 
@@ -115,7 +115,8 @@ impl Plot<'_> {
             Shape::Line | Shape::LineWithDots => canvas.path("ln", &self.line(&series.points), None),
             Shape::Dashed => canvas.path("da", &self.line(&series.points), None),
             Shape::ErrorBars { ends } => self.error_bars(canvas, series, ends),
-            Shape::Dots => {}
+            Shape::Cells { values } => self.cells(canvas, series, values),
+            Shape::Dots | Shape::Bubbles { .. } => {}
         }
     }
 
@@ -125,6 +126,7 @@ impl Plot<'_> {
             Shape::Line | Shape::Dashed if marked => self.sparse(canvas, series),
             Shape::Dots | Shape::LineWithDots => self.dots(canvas, series, None),
             Shape::ErrorBars { ends } => self.dots(canvas, series, Some(ends)),
+            Shape::Bubbles { sizes, full } => self.bubbles(canvas, series, sizes, *full),
             _ => {}
         }
     }

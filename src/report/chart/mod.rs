@@ -29,6 +29,7 @@ mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
+mod tinted;
 
 /// One picture of one or more panels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,6 +165,18 @@ pub enum Shape {
     Band {
         /// Lower y for each point.
         lower: Vec<f64>,
+    },
+    /// A circle at each point; its area is a third value.
+    Bubbles {
+        /// The value of each point.
+        sizes: Vec<f64>,
+        /// The value of the largest circle.
+        full: f64,
+    },
+    /// A cell of one unit by one unit at each point, tinted by a third value: a matrix on named axes.
+    Cells {
+        /// The value of each cell, from 0 (not drawn) to 1.
+        values: Vec<f64>,
     },
 }
 

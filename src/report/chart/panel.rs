@@ -153,11 +153,11 @@ impl<'a> Layout<'a> {
         ));
         let mut ordered: Vec<&Series> = self.panel.series.iter().collect();
         ordered.sort_by_key(|s| match s.shape {
-            Shape::Band { .. } => 0,
+            Shape::Band { .. } | Shape::Cells { .. } => 0,
             Shape::Bars { .. } => 1,
             Shape::Line | Shape::Dashed | Shape::LineWithDots => 2,
             Shape::ErrorBars { .. } => 3,
-            Shape::Dots => 4,
+            Shape::Dots | Shape::Bubbles { .. } => 4,
         });
         for clipped in [true, false] {
             if clipped {

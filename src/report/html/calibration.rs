@@ -1,21 +1,18 @@
 //! The page of `calibrate`.
 
 use super::page::{Page, Part, Section, Tone};
-use super::residuals::{Named, by_row};
-use crate::identification::{Calibration, Estimate};
+use super::pictures::{Displacements, Layer, Seen, by_row, correlation, deviations, drawing, histograms, maps, strips};
+use super::{Measured, Subject};
+use crate::identification::Calibration;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::units::Dimension;
+use crate::units::{show_angle, show_length};
 
-/// A calibration. `text` is what the command prints, `models` the errors of the models to compare row by row, `noise` the
-/// stated noise of a vector length (m, rad).
-pub fn calibration(
-    c: &Calibration,
-    title: &str,
-    text: &str,
-    models: &[Named<'_>],
-    noise: Option<(f64, f64)>,
-    settings: Vec<(String, String)>,
-) -> Page {
+/// Rows beyond this many robust σ of a leg look like gross errors.
+const GROSS: f64 = 8.0;
+
+/// A calibration. `text` is what the command prints; `measured` holds the data through the calibrated mechanism, then
+/// through the one that was given.
+pub fn calibration(c: &Calibration, text: &str, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
     let found = &c.identification;
     let summary = text.lines().last().unwrap_or_default();
     let (verdict, tone) = match (c.verdict.trusted, c.verdict.warnings.is_empty()) {
@@ -23,11 +20,28 @@ pub fn calibration(
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
         (false, _) => ("The result must not be trusted", Tone::Bad),
     };
-    let mut sections = vec![Section {
-        id: "errors",
-        title: "Where it was wrong, and what is left",
-        parts: vec![Part::picture(by_row(models, noise))],
-    }];
+    let models: Vec<&Seen> = measured.models.iter().collect();
+    let mut errors = vec![
+        Part::picture(by_row(&models, subject.noise)),
+        Part::picture(maps(&models, subject.convention)),
+        Part::picture(histograms(&models, subject.noise)),
+    ];
+    for seen in &models {
+        let poses: Vec<_> = seen.deviations.iter().map(|d| d.pose).collect();
+        let arrows = Displacements::of(seen, subject.mechanism);
+        errors.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
+    }
+    let mut sections = vec![Section { id: "errors", title: "Where it was wrong, and what is left", parts: errors }];
+    if let Some(calibrated) = models.first() {
+        let residuals: Vec<(usize, &[f64])> =
+            calibrated.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect();
+        let mut marked: Vec<usize> = gross(&residuals);
+        marked.extend(&found.outliers);
+        let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
+        let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked);
+        let parts = strips.into_iter().map(Part::picture).collect();
+        sections.push(Section { id: "legs", title: "What is left, leg by leg", parts });
+    }
     let mut parameters: Vec<Part> =
         deviations(&c.parameters[..found.mechanism_parameters]).into_iter().map(Part::picture).collect();
     parameters.push(match c.weak.is_empty() {
@@ -37,52 +51,49 @@ pub fn calibration(
             c.weak.iter().map(|w| vec![w.text.clone(), format!("{:.2}", w.sigma)]).collect(),
         ),
     });
+    parameters.extend(correlation(&found.parameters, &found.correlation()).map(Part::picture));
     sections.push(Section { id: "parameters", title: "Parameters", parts: parameters });
     sections.push(Section { id: "convergence", title: "Convergence", parts: vec![Part::picture(convergence(c))] });
     sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text.to_owned())] });
     Page {
-        title: format!("{title}: calibration"),
+        title: format!("{}: calibration", c.mechanism.name()),
         verdict: format!("{verdict}. {summary}"),
         tone,
+        numbers: numbers(c),
         lead: c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect(),
         sections,
-        settings,
+        settings: subject.settings.clone(),
     }
 }
 
-/// Deviations of lengths from the file with ± 2 σ, mm.
-fn deviations(parameters: &[Estimate]) -> Option<Figure> {
-    let lengths: Vec<&Estimate> = parameters.iter().filter(|p| p.spec.dimension == Dimension::Length).collect();
-    if lengths.is_empty() {
-        return None;
+fn numbers(c: &Calibration) -> Vec<(String, String)> {
+    let held_out = c.held_out.as_ref().map(|h| h.rms).unwrap_or_default();
+    let rows = [
+        ("position error, as it was given", c.before.position.map(show_length)),
+        ("position error, calibrated", c.after.position.map(show_length)),
+        ("the same on rows not fitted", held_out.position.map(show_length)),
+        ("angle error, as it was given", c.before.rotation.map(show_angle)),
+        ("angle error, calibrated", c.after.rotation.map(show_angle)),
+        ("the same on rows not fitted", held_out.rotation.map(show_angle)),
+    ];
+    rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+}
+
+/// Rows of which a joint lies far from the others of its leg.
+fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
+    let joints = residuals.first().map_or(0, |(_, r)| r.len());
+    let mut rows = Vec::new();
+    for joint in 0..joints {
+        let mut sizes: Vec<f64> = residuals.iter().map(|(_, r)| r[joint].abs()).filter(|v| v.is_finite()).collect();
+        sizes.sort_by(f64::total_cmp);
+        // The median of the sizes of normal noise is 0.6745 sigma.
+        let Some(sigma) = sizes.get(sizes.len() / 2).map(|m| m / 0.6745).filter(|s| *s > 0.0) else { continue };
+        let far = residuals.iter().filter(|(_, r)| r[joint].abs() > GROSS * sigma);
+        rows.extend(far.map(|(row, _)| *row));
     }
-    let mm = |p: &Estimate| 1e3 * (p.value - p.start);
-    let points: Vec<[f64; 2]> = lengths.iter().enumerate().map(|(k, p)| [k as f64, mm(p)]).collect();
-    let end = |p: &&Estimate| {
-        let half = 2e3 * p.sigma.unwrap_or(0.0);
-        [mm(p) - half, mm(p) + half]
-    };
-    let ends = lengths.iter().map(end).collect();
-    let mut series = vec![Series::new("deviation, ± 2 sigma", 0, Shape::ErrorBars { ends }, points)];
-    let tolerance = |sign: f64| -> Vec<[f64; 2]> {
-        let at = |(k, p): (usize, &&Estimate)| Some([k as f64, sign * 1e3 * p.spec.tolerance?]);
-        lengths.iter().enumerate().filter_map(at).collect()
-    };
-    series.push(Series::new("tolerance, 1 sigma", 1, Shape::Dashed, tolerance(1.0)));
-    series.push(Series::new("tolerance, 1 sigma", 1, Shape::Dashed, tolerance(-1.0)));
-    let panel = Panel {
-        x: Axis::named("parameter", lengths.iter().map(|p| p.spec.name.clone()).collect()),
-        y: Axis::linear("deviation from the file (mm)"),
-        series,
-        ..Panel::default()
-    };
-    Some(Figure {
-        title: "Deviations of the parameters".into(),
-        description: "Deviation of each parameter from the mechanism file with its uncertainty, beside the tolerance."
-            .into(),
-        columns: 1,
-        panels: vec![panel],
-    })
+    rows.sort_unstable();
+    rows.dedup();
+    rows
 }
 
 fn convergence(c: &Calibration) -> Figure {
@@ -99,5 +110,18 @@ fn convergence(c: &Calibration) -> Figure {
         description: "Sum of squares and largest step after each iteration, on logarithmic axes.".into(),
         columns: 2,
         panels: vec![panel("half the sum of squares", costs), panel("largest step (1e-3 SI)", steps)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gross;
+
+    #[test]
+    fn a_row_far_from_its_neighbours_is_marked() {
+        let mut values: Vec<Vec<f64>> = (0..40).map(|k| vec![f64::from(k % 5 - 2), f64::from(k % 3 - 1)]).collect();
+        values[7][1] = -30.0;
+        let residuals: Vec<(usize, &[f64])> = values.iter().enumerate().map(|(k, v)| (k + 100, v.as_slice())).collect();
+        assert_eq!(gross(&residuals), [107]);
     }
 }

@@ -1,14 +1,16 @@
 //! The page of `diagnose`.
 
+use super::Subject;
 use super::page::{Page, Part, Section, Tone};
-use super::residuals::{ARCSECONDS, MICROMETRES};
-use crate::diagnosis::{Cause, Diagnosis, Verdict};
-use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
+use super::pictures::{Layer, added_variable, drawing, gain, sizes, strips};
+use crate::diagnosis::{Cause, Diagnosis, Plan, Rival, Verdict};
+use crate::measurement::Dataset;
 use crate::report::text;
-use crate::units::{show_probability, show_quantity, three_digits};
+use crate::units::{show_angle, show_length, show_probability, show_quantity, three_digits};
 
-/// A diagnosis. `title` is the name of the mechanism.
-pub fn diagnosis(d: &Diagnosis, title: &str, settings: Vec<(String, String)>) -> Page {
+/// A diagnosis of data, with the measurements that would settle what is open.
+pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Dataset) -> Page {
+    let title = subject.mechanism.name();
     let tone = match d.verdict {
         Verdict::Clean | Verdict::Named => Tone::Good,
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
@@ -17,17 +19,40 @@ pub fn diagnosis(d: &Diagnosis, title: &str, settings: Vec<(String, String)>) ->
     let remedy = |c: &Cause| format!("{}: {}. What to do: {}.", c.effect, c.cause, c.remedy);
     let mut lead: Vec<String> = d.causes.iter().map(remedy).collect();
     lead.extend(d.warnings.iter().cloned());
-    if d.verdict == Verdict::Tied || d.verdict == Verdict::Unknown {
-        lead.push("What to measure next: `paracal settle` with the same files.".into());
+    if let Some(plan) = plans.first() {
+        lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
+    } else if matches!(d.verdict, Verdict::Tied | Verdict::Unknown) {
+        lead.push(
+            "What to measure next: record what may have changed (temperatures, elevation, time) and measure again."
+                .into(),
+        );
     }
     let mut sections = Vec::new();
     if d.gain.position_before.is_some() || d.gain.rotation_before.is_some() {
         sections.push(Section { id: "gain", title: "What is gained", parts: vec![Part::picture(gain(d))] });
     }
     if !d.causes.is_empty() {
-        let parts =
-            vec![Part::Table(CAUSES.to_vec(), d.causes.iter().map(cause_row).collect()), Part::picture(sizes(d))];
+        let mut parts = vec![
+            Part::Table(CAUSES.to_vec(), d.causes.iter().map(cause_row).collect()),
+            Part::picture(added_variable(&d.causes)),
+            Part::picture(sizes(d)),
+        ];
+        let marked: Vec<usize> = d.causes.iter().filter_map(|c| c.leg).collect();
+        if !marked.is_empty() {
+            parts.extend(drawing(subject.mechanism, &[], None, &marked).map(Part::drawing));
+        }
         sections.push(Section { id: "causes", title: "Causes", parts });
+        let rivals: Vec<Vec<String>> = d.causes.iter().flat_map(rival_rows).collect();
+        if !rivals.is_empty() {
+            let mut parts = vec![Part::Table(RIVALS.to_vec(), rivals)];
+            if !plans.is_empty() {
+                parts.push(Part::Lines(text::settlement(d, plans, title)));
+            }
+            sections.push(Section { id: "rivals", title: "What else it could be", parts });
+        }
+    }
+    if !d.residuals.is_empty() {
+        sections.push(Section { id: "legs", title: "What is left, leg by leg", parts: legs(d, subject, data) });
     }
     if !d.not_found.is_empty() {
         let row = |n: &crate::diagnosis::NotFound| {
@@ -42,9 +67,64 @@ pub fn diagnosis(d: &Diagnosis, title: &str, settings: Vec<(String, String)>) ->
         let parts = vec![Part::Table(vec!["could not be tested", "what is missing"], rows)];
         sections.push(Section { id: "missing", title: "Not testable", parts });
     }
-    let numbers = vec![Part::Lines(text::diagnosis(d, title))];
-    sections.push(Section { id: "numbers", title: "All numbers", parts: numbers });
-    Page { title: format!("{title}: diagnosis"), verdict: text::verdict(d), tone, lead, sections, settings }
+    let text = Part::Lines(text::diagnosis(d, title));
+    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![text] });
+    Page {
+        title: format!("{title}: diagnosis"),
+        verdict: text::verdict(d),
+        tone,
+        numbers: numbers(d),
+        lead,
+        sections,
+        settings: subject.settings.clone(),
+    }
+}
+
+fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
+    let g = &d.gain;
+    let rows = [
+        ("position error on rows not fitted, parameters alone", g.position_before.map(show_length)),
+        ("the same with the causes", g.position_after.map(show_length)),
+        ("angle error on rows not fitted, parameters alone", g.rotation_before.map(show_angle)),
+        ("the same with the causes", g.rotation_after.map(show_angle)),
+        ("noise over the stated one", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
+    ];
+    rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+}
+
+/// Residuals of each leg without causes and with them.
+fn legs(d: &Diagnosis, subject: &Subject<'_>, data: &Dataset) -> Vec<Part> {
+    let mut layers = Vec::new();
+    if !d.causes.is_empty() {
+        let residuals = d.residuals.iter().map(|r| (r.row, r.before.as_slice())).collect();
+        layers.push(Layer { name: "kinematic parameters alone", colour: 3, residuals });
+    }
+    let residuals = d.residuals.iter().map(|r| (r.row, r.after.as_slice())).collect();
+    let name = if d.causes.is_empty() { "kinematic parameters alone" } else { "with the causes" };
+    layers.push(Layer { name, colour: 0, residuals });
+    let strips = strips(data, subject.mechanism.joints(), &layers, &d.outlier_rows);
+    strips.into_iter().map(Part::picture).collect()
+}
+
+const RIVALS: [&str; 5] = ["named", "also possible", "values it would have", "behind, nats", "told apart from 10"];
+
+fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
+    let row = |r: &Rival| {
+        let place = [
+            r.leg.map(|leg| format!(" leg {}", leg + 1)),
+            r.row.map(|row| format!(" from data row {row}")),
+            r.of.as_ref().map(|of| format!(" ({of})")),
+        ];
+        let values: Vec<String> = r.values.iter().map(|v| three_digits(*v)).collect();
+        vec![
+            c.effect.clone(),
+            format!("{}{}", r.effect, place.into_iter().flatten().collect::<String>()),
+            format!("{} (SI)", values.join(", ")),
+            three_digits(r.behind),
+            three_digits(r.separability),
+        ]
+    };
+    c.tied_with.iter().map(row).collect()
 }
 
 const CAUSES: [&str; 7] = ["cause", "leg", "parameters", "evidence, nats", "p", "over its limit", "not excluded"];
@@ -64,62 +144,4 @@ fn cause_row(c: &Cause) -> Vec<String> {
         format!("{}{}", three_digits(c.size_over_limit), if c.tentative { " (tentative)" } else { "" }),
         rivals.join(", "),
     ]
-}
-
-/// Held-out errors without and with the causes.
-fn gain(d: &Diagnosis) -> Figure {
-    let g = &d.gain;
-    let panel = |title: &str, label: &str, before: Option<f64>, after: Option<f64>, floor: Option<f64>, unit: f64| {
-        let points = [before, after].iter().enumerate().filter_map(|(k, v)| Some([k as f64, unit * (*v)?])).collect();
-        Panel {
-            title: title.into(),
-            x: Axis::named("", vec!["parameters alone".into(), "with the causes".into()]),
-            y: Axis::linear(label),
-            series: vec![Series::new("", 0, Shape::Bars { width: 0.5 }, points)],
-            rules: floor
-                .map(|at| Rule { horizontal: true, at: unit * at, label: "stated noise".into() })
-                .into_iter()
-                .collect(),
-            ..Panel::default()
-        }
-    };
-    Figure {
-        title: "Error on rows that were not fitted".into(),
-        description:
-            "RMS position and angle error on held-out rows, with the kinematic parameters alone and with the causes, \
-                      beside the stated noise."
-                .into(),
-        columns: 2,
-        panels: vec![
-            panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, MICROMETRES),
-            panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
-        ],
-    }
-}
-
-/// Values of the causes over their usual sizes.
-fn sizes(d: &Diagnosis) -> Figure {
-    let all: Vec<(String, f64, f64)> = d
-        .causes
-        .iter()
-        .flat_map(|c| {
-            let name = move |p: &str| format!("{} {p}", c.effect);
-            c.parameters.iter().map(move |p| (name(&p.name), p.value / p.scale, 2.0 * p.sigma.unwrap_or(0.0) / p.scale))
-        })
-        .collect();
-    let points = all.iter().enumerate().map(|(k, (_, v, _))| [k as f64, *v]).collect();
-    let ends = all.iter().map(|(_, v, half)| [v - half, v + half]).collect();
-    let panel = Panel {
-        x: Axis::named("parameter", all.iter().map(|(name, ..)| name.clone()).collect()),
-        y: Axis::linear("value over its usual size, ± 2 sigma"),
-        series: vec![Series::new("", 0, Shape::ErrorBars { ends }, points)],
-        rules: vec![Rule { horizontal: true, at: 0.0, label: "none".into() }],
-        ..Panel::default()
-    };
-    Figure {
-        title: "Sizes of the causes".into(),
-        description: "Each value of the named causes over the usual size of its effect, with its uncertainty.".into(),
-        columns: 1,
-        panels: vec![panel],
-    }
 }

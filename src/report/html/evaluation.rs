@@ -1,35 +1,50 @@
 //! The page of `evaluate`.
 
 use super::page::{Page, Part, Section, Tone};
-use super::residuals::by_row;
+use super::pictures::{Displacements, Layer, Seen, by_row, drawing, histograms, maps, strips};
+use super::{Measured, Subject};
 use crate::identification::ModelErrors;
 use crate::report::text;
 use crate::units::{show_angle, show_length};
 
-/// Errors of a model on measured data. `title` is the name of the mechanism, `noise` the stated noise of a vector length
-/// (m, rad).
-pub fn evaluation(
-    errors: &ModelErrors,
-    title: &str,
-    noise: Option<(f64, f64)>,
-    settings: Vec<(String, String)>,
-) -> Page {
-    let rms = errors.rms();
+/// Errors of a model on measured data; `measured` holds the data through that model.
+pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
+    let title = subject.mechanism.name();
+    let models: Vec<&Seen> = measured.models.iter().collect();
+    let (rms, max) = (errors.rms(), errors.max());
     let parts: Vec<String> =
         [rms.position.map(show_length), rms.rotation.map(show_angle)].into_iter().flatten().collect();
+    let numbers = [
+        ("position error, RMS", rms.position.map(show_length)),
+        ("largest", max.position.map(show_length)),
+        ("angle error, RMS", rms.rotation.map(show_angle)),
+        ("largest", max.rotation.map(show_angle)),
+    ];
+    let mut pictures = vec![
+        Part::picture(by_row(&models, subject.noise)),
+        Part::picture(maps(&models, subject.convention)),
+        Part::picture(histograms(&models, subject.noise)),
+    ];
+    let mut layers = Vec::new();
+    for (colour, seen) in models.iter().enumerate() {
+        let poses: Vec<_> = seen.deviations.iter().map(|d| d.pose).collect();
+        let arrows = Displacements::of(seen, subject.mechanism);
+        pictures.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
+        let residuals = seen.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect();
+        layers.push(Layer { name: &seen.name, colour, residuals });
+    }
+    let strips = strips(measured.data, subject.mechanism.joints(), &layers, &[]);
     Page {
         title: format!("{title}: errors of the model"),
         verdict: format!("{} rows: RMS error {}.", errors.samples.len(), parts.join(" and ")),
         tone: Tone::Good,
+        numbers: numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect(),
         lead: vec!["Nothing was fitted: the model predicts each row, and the page shows by how much it misses.".into()],
-        sections: vec![Section {
-            id: "errors",
-            title: "Errors",
-            parts: vec![
-                Part::picture(by_row(&[("model", errors)], noise)),
-                Part::Lines(text::evaluation(errors, title)),
-            ],
-        }],
-        settings,
+        sections: vec![
+            Section { id: "errors", title: "Errors", parts: pictures },
+            Section { id: "legs", title: "Leg by leg", parts: strips.into_iter().map(Part::picture).collect() },
+            Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::evaluation(errors, title))] },
+        ],
+        settings: subject.settings.clone(),
     }
 }

@@ -1,17 +1,47 @@
 //! Results as a page that people look at: one self-contained file, without scripts and without anything from elsewhere.
 //!
-//! A [`Page`] begins with the verdict in one sentence and what to do, then shows pictures and tables, and ends with what
-//! repeats it. It reads on a dark screen, on a telephone and on paper. [`calibration`], [`diagnosis`] and [`evaluation`]
-//! make the pages of these commands.
+//! A [`Page`] begins with the verdict in one sentence, the few numbers that matter and what to do; then it shows pictures
+//! and tables, and ends with what repeats it. It reads on a dark screen, on a telephone and on paper. [`calibration`],
+//! [`diagnosis`], [`evaluation`] and [`selection`] make the pages of these commands; the pictures they are made of are in
+//! `pictures`.
 
 mod calibration;
 mod diagnosis;
 mod evaluation;
 mod page;
-mod residuals;
+mod pictures;
+mod selection;
 
 pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
 pub(crate) use page::shell;
 pub use page::{Page, Part, Section, Tone};
+pub use pictures::Seen;
+pub use selection::selection;
+
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+use crate::pose::PoseConvention;
+
+/// What a page is about.
+#[derive(Clone, Debug)]
+pub struct Subject<'a> {
+    /// The mechanism of the drawing: calibrated if it was calibrated.
+    pub mechanism: &'a dyn Mechanism,
+    /// How poses are written.
+    pub convention: &'a PoseConvention,
+    /// Stated noise of one component of a position and of one angle, m and rad.
+    pub noise: Option<[f64; 2]>,
+    /// What repeats the command, by name.
+    pub settings: Vec<(String, String)>,
+}
+
+/// What a page of measured data is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The samples.
+    pub data: &'a Dataset,
+    /// The samples through each model, the best one first.
+    pub models: &'a [Seen],
+}

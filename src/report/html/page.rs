@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::report::chart::Figure;
+use crate::report::chart::{Figure, Scene};
 
 /// The style of all pages: light and dark, narrow and wide, screen and paper.
 const STYLE: &str = "\
@@ -14,6 +14,9 @@ th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;v
 th[scope=row],th:first-child,td:first-child{text-align:left;font-weight:normal}
 small{display:block;color:var(--dim)}
 .held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
+.numbers{display:flex;flex-wrap:wrap;gap:.8rem;padding:0;margin:1rem 0}
+.numbers div{border:1px solid var(--line);border-radius:.4rem;padding:.5rem .9rem;min-width:9rem}
+.numbers dt{color:var(--dim);font-size:.875rem}.numbers dd{margin:0;font-size:1.25rem;font-variant-numeric:tabular-nums}
 .verdict{font-size:1.25rem;font-weight:bold;border-left:.4rem solid;padding-left:.8rem}
 .wide{overflow-x:auto}pre{overflow-x:auto;font-size:.85rem}figure{margin:1rem 0}svg{max-width:100%;height:auto}
 @media print{body{font-size:10px}section,figure{break-inside:avoid-page}}";
@@ -38,6 +41,8 @@ pub struct Page {
     pub verdict: String,
     /// How good it is.
     pub tone: Tone,
+    /// The few numbers that matter: name, value.
+    pub numbers: Vec<(String, String)>,
     /// What to know and to do, a paragraph each.
     pub lead: Vec<String>,
     /// What is shown.
@@ -68,12 +73,19 @@ pub enum Part {
     Table(Vec<&'static str>, Vec<Vec<String>>),
     /// A picture.
     Picture(Box<Figure>),
+    /// A drawing in perspective.
+    Drawing(Box<Scene>),
 }
 
 impl Part {
     /// A picture.
     pub fn picture(figure: Figure) -> Self {
         Self::Picture(Box::new(figure))
+    }
+
+    /// A drawing in perspective.
+    pub fn drawing(scene: Scene) -> Self {
+        Self::Drawing(Box::new(scene))
     }
 
     fn markup(&self, id: &str) -> Markup {
@@ -87,6 +99,7 @@ impl Part {
                 } }
             },
             Self::Picture(figure) => html! { figure { (PreEscaped(figure.svg_with_id(id))) } },
+            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.svg_with_id(id))) } },
         }
     }
 }
@@ -102,6 +115,9 @@ impl Page {
         let body = html! {
             h1 { (self.title) }
             p class=(class) { (self.verdict) }
+            @if !self.numbers.is_empty() {
+                dl.numbers { @for (name, value) in &self.numbers { div { dt { (name) } dd { (value) } } } }
+            }
             @for paragraph in &self.lead { p { (paragraph) } }
             @for section in &self.sections {
                 section id=(section.id) {
@@ -150,6 +166,7 @@ mod tests {
             title: "<b> & \"c\"".into(),
             verdict: "a < b".into(),
             tone: Tone::Mind,
+            numbers: vec![("<u>".into(), "1".into())],
             lead: vec!["<script>".into()],
             sections: vec![Section {
                 id: "s",
@@ -164,7 +181,11 @@ mod tests {
         };
         let html = page.html();
         assert!(
-            !html.contains("<script") && !html.contains("<i>") && !html.contains("<x>") && html.contains("a &lt; b")
+            !html.contains("<script")
+                && !html.contains("<u>")
+                && !html.contains("<i>")
+                && !html.contains("<x>")
+                && html.contains("a &lt; b")
         );
         assert!(html.contains("s0") && html.contains("s1"));
     }

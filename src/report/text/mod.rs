@@ -7,6 +7,7 @@ mod settlement;
 
 pub use diagnosis::{diagnosis, verdict};
 pub use inspection::{Inspection, inspection};
+pub(in crate::report) use selection::number_row;
 pub use selection::{Selection, selection};
 pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settlement};
 

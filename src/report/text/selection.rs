@@ -45,17 +45,7 @@ pub fn selection(s: &Selection<'_>) -> String {
         r.iterations
     );
     if !s.table.is_empty() {
-        let row = |r: &Report| {
-            let e = r.forecast.as_ref().map(|f| f.error);
-            vec![
-                r.poses.len().to_string(),
-                format!("{:.4e}", r.value),
-                r.efficiency.map_or_else(|| "-".into(), |e| format!("{:.1} %", 100.0 * e)),
-                e.map_or_else(|| "-".into(), |e| show_length(e.position_rms)),
-                e.map_or_else(|| "-".into(), |e| show_angle(e.rotation_rms)),
-            ]
-        };
-        let rows: Vec<Vec<String>> = s.table.iter().map(row).collect();
+        let rows: Vec<Vec<String>> = s.table.iter().map(number_row).collect();
         text += &table(&["poses", r.index.as_str(), "efficiency", "position", "rotation"], &rows);
         text += "(position and rotation: predicted RMS error of the calibrated pose)\n";
         if let Some(n) = pays_until(s.table) {
@@ -97,6 +87,18 @@ pub fn selection(s: &Selection<'_>) -> String {
     let next = if s.limits.is_some() { "diagnose" } else { "calibrate" };
     text += &format!("\nMeasure the {new} poses of {}, then: paracal {next}", s.file);
     text
+}
+
+/// A row of the table of numbers of poses: number, index, efficiency, predicted errors.
+pub(in crate::report) fn number_row(r: &Report) -> Vec<String> {
+    let e = r.forecast.as_ref().map(|f| f.error);
+    vec![
+        r.poses.len().to_string(),
+        format!("{:.4e}", r.value),
+        r.efficiency.map_or_else(|| "-".into(), |e| format!("{:.1} %", 100.0 * e)),
+        e.map_or_else(|| "-".into(), |e| show_length(e.position_rms)),
+        e.map_or_else(|| "-".into(), |e| show_angle(e.rotation_rms)),
+    ]
 }
 
 /// The first number of poses from which the predicted error falls by less than a hundredth for each pose more.

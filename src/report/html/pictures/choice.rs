@@ -1,0 +1,82 @@
+//! What chosen poses promise.
+
+use super::{ARCSECONDS, MICROMETRES};
+use crate::pose::PoseConvention;
+use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
+use crate::selection::Report;
+
+/// The index over the iterations of the selector, beside the certified bound.
+pub(in crate::report::html) fn trace(r: &Report) -> Figure {
+    let points = r.trace.iter().enumerate().map(|(k, v)| [k as f64, *v]).collect();
+    let last = r.trace.len().saturating_sub(1) as f64;
+    let bound = |at: f64| Rule { horizontal: true, at, label: "no set of these candidates passes this".into() };
+    let end = Series::new("the set that is written", 1, Shape::Dots, vec![[last, r.value]]);
+    let panel = Panel {
+        x: Axis::linear("iteration"),
+        y: Axis::linear(r.index.clone()),
+        series: vec![Series::new("best set so far", 0, Shape::Line, points), end],
+        rules: r.bound.map(bound).into_iter().collect(),
+        ..Panel::default()
+    };
+    Figure {
+        title: "How the choice came about".into(),
+        description: "Index of the best set after each iteration of the selector, with the certified bound as a line."
+            .into(),
+        columns: 1,
+        panels: vec![panel],
+    }
+}
+
+/// The poses in three planes of the workspace.
+pub(in crate::report::html) fn coverage(r: &Report, given: usize, convention: &PoseConvention) -> Figure {
+    let coordinates: Vec<[f64; 6]> = r.poses.iter().map(|p| convention.coordinates(p)).collect();
+    let planes = [
+        ("x (mm)", 0, "y (mm)", 1),
+        ("x (mm)", 0, "z (mm)", 2),
+        ("rx (deg)", 3, "ry (deg)", 4),
+        ("rx (deg)", 3, "rz (deg)", 5),
+    ];
+    let shown = |q: &[f64; 6], k: usize| if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
+    let panel = |(x, i, y, j): (&str, usize, &str, usize)| {
+        let points = |of: &[[f64; 6]]| of.iter().map(|q| [shown(q, i), shown(q, j)]).collect();
+        let mut series = vec![Series::new("chosen", 0, Shape::Dots, points(&coordinates[given..]))];
+        if given > 0 {
+            series.push(Series::new("given", 1, Shape::Dots, points(&coordinates[..given])));
+        }
+        Panel { x: Axis::linear(x), y: Axis::linear(y), series, ..Panel::default() }
+    };
+    Figure {
+        title: "Where the poses lie".into(),
+        description: "The chosen poses in four planes of the workspace.".into(),
+        columns: 2,
+        panels: planes.into_iter().map(panel).collect(),
+    }
+}
+
+/// Predicted error of the calibrated pose and efficiency over the number of poses.
+pub(in crate::report::html) fn how_many(table: &[Report], n: usize) -> Figure {
+    let points = |of: &dyn Fn(&Report) -> Option<f64>| -> Vec<[f64; 2]> {
+        table.iter().filter_map(|r| Some([r.poses.len() as f64, of(r)?])).collect()
+    };
+    let error = |r: &Report| r.forecast.as_ref().map(|f| f.error);
+    let panel = |title: &str, label: &str, points: Vec<[f64; 2]>| Panel {
+        title: title.into(),
+        x: Axis::linear("number of poses"),
+        y: Axis::linear(label),
+        series: vec![Series::new("", 0, Shape::LineWithDots, points)],
+        rules: vec![Rule { horizontal: false, at: n as f64, label: "chosen".into() }],
+        ..Panel::default()
+    };
+    let panels = [
+        panel("Position", "predicted RMS error (um)", points(&|r| Some(MICROMETRES * error(r)?.position_rms))),
+        panel("Attitude", "predicted RMS error (arcsec)", points(&|r| Some(ARCSECONDS * error(r)?.rotation_rms))),
+        panel("Efficiency", "certified efficiency (%)", points(&|r| Some(100.0 * r.efficiency?))),
+    ];
+    Figure {
+        title: "How many poses".into(),
+        description: "Predicted RMS error of the calibrated pose and certified efficiency over the number of poses."
+            .into(),
+        columns: 3,
+        panels: panels.into_iter().filter(|p| !p.series[0].points.is_empty()).collect(),
+    }
+}

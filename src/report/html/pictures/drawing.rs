@@ -1,0 +1,152 @@
+//! The mechanism in perspective.
+
+use nalgebra::Vector3;
+
+use super::{Seen, round_up};
+use crate::mechanism::{Body, Mechanism, characteristic_length};
+use crate::pose::Pose;
+use crate::report::chart::{Arrow, Outline, Scene, Segment, Triad};
+use crate::units::{show_length, three_digits};
+
+/// Longest arrow and widest spread of the poses, in radii of the platform.
+const ARROW: f64 = 0.5;
+const SPREAD: f64 = 0.35;
+/// Length of the axes of a frame, in radii of the platform.
+const AXES: f64 = 0.35;
+
+/// Errors at poses, to be drawn as arrows.
+pub(in crate::report::html) struct Displacements {
+    /// What the arrows are.
+    name: String,
+    /// Pose, and motion of the centre of the platform from where the model says to where it was measured, m.
+    errors: Vec<(Pose, Vector3<f64>)>,
+}
+
+impl Displacements {
+    /// The errors of a model.
+    pub(in crate::report::html) fn of(seen: &Seen, mechanism: &dyn Mechanism) -> Self {
+        let centre = centre(&mechanism.platform_points());
+        let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
+            let turn = Vector3::new(motion[3], motion[4], motion[5]);
+            Vector3::new(motion[0], motion[1], motion[2]) + turn.cross(&(pose.place(&centre) - pose.position))
+        };
+        let errors = seen.deviations.iter().map(|d| (d.pose, error(&d.pose, &d.motion))).collect();
+        Self { name: format!("error, {}", seen.name), errors }
+    }
+}
+
+/// The mechanism at home with its frames, the platform at `poses`, errors as arrows; `marked` legs stand out. `None` if
+/// nothing is known of where the legs stand.
+pub(in crate::report::html) fn drawing(
+    mechanism: &dyn Mechanism,
+    poses: &[Pose],
+    errors: Option<&Displacements>,
+    marked: &[usize],
+) -> Option<Scene> {
+    let (base, platform) = (points(mechanism, Body::Base), points(mechanism, Body::Platform));
+    if platform.len() < 3 || base.len() < 2 {
+        return None;
+    }
+    let (home, size) = (mechanism.home(), characteristic_length(mechanism));
+    let corners: Vec<Vector3<f64>> = platform.iter().map(|(_, p)| *p).collect();
+    let mut notes = Vec::new();
+    let spread = poses.iter().map(|p| (p.position - home.position).norm()).fold(0.0, f64::max);
+    let of_poses = match spread {
+        s if s > 0.0 && s < 0.1 * size => round_up(0.5 * SPREAD * size / s),
+        _ => 1.0,
+    };
+    if of_poses > 1.0 {
+        notes.push(format!("distances of the poses from home are drawn {} times as large", three_digits(of_poses)));
+    }
+    let drawn = |pose: &Pose| {
+        let motion = home.motion_to(pose);
+        home.moved(&(motion * of_poses.min(1.0 / motion.rows(3, 3).norm().max(1e-9))))
+    };
+    let mut scene = Scene {
+        title: format!("{} at home", mechanism.name()),
+        description: "The legs between base and platform in perspective, with the frames of both.".into(),
+        unit: if size < 0.5 { ("mm", 1e-3) } else { ("m", 1.0) },
+        outlines: vec![
+            outline("base", 6, &ring(&base.iter().map(|(_, p)| *p).collect::<Vec<_>>()), false),
+            outline("platform at home", 0, &placed(&home, &corners), false),
+        ],
+        ..Scene::default()
+    };
+    scene.outlines[1].filled = true;
+    for pose in poses {
+        scene.outlines.push(outline("platform at the poses", 2, &placed(&drawn(pose), &corners), true));
+    }
+    for (leg, from) in &base {
+        let Some((_, to)) = platform.iter().find(|(l, _)| l == leg) else { continue };
+        let stands_out = marked.contains(leg);
+        scene.legs.push(Segment {
+            name: if stands_out { "leg with a named cause".into() } else { "leg".into() },
+            colour: if stands_out { 1 } else { 5 },
+            from: (*from).into(),
+            to: home.place(to).into(),
+            label: (leg + 1).to_string(),
+        });
+    }
+    let axes = |pose: &Pose| [0, 1, 2].map(|k| pose.rotation.matrix().column(k).into_owned().into());
+    let triad = |label: &str, pose: &Pose| Triad {
+        label: label.into(),
+        origin: pose.position.into(),
+        axes: axes(pose),
+        length: AXES * size,
+    };
+    scene.frames = vec![triad("base", &Pose::identity()), triad("platform", &home)];
+    if let Some(errors) = errors {
+        let largest = errors.errors.iter().map(|(_, e)| e.norm()).filter(|e| e.is_finite()).fold(0.0, f64::max);
+        if largest > 0.0 {
+            let magnified = round_up(0.4 * ARROW * size / largest);
+            notes.push(format!(
+                "arrows are {} times as long as the errors, the longest of which is {}",
+                three_digits(magnified),
+                show_length(largest)
+            ));
+            let centre = centre(&corners);
+            for (pose, error) in &errors.errors {
+                let from = drawn(pose).place(&centre);
+                scene.arrows.push(Arrow {
+                    name: errors.name.clone(),
+                    colour: 1,
+                    from: from.into(),
+                    to: (from + magnified * error).into(),
+                    tip: show_length(error.norm()),
+                });
+            }
+        }
+    }
+    scene.note = notes.join("; ");
+    Some(scene)
+}
+
+fn outline(name: &str, colour: usize, points: &[Vector3<f64>], thin: bool) -> Outline {
+    Outline { name: name.into(), colour, points: points.iter().map(|p| (*p).into()).collect(), filled: false, thin }
+}
+
+/// Points of a body by leg: those of the parameters, or the platform points that are known without being identified.
+fn points(mechanism: &dyn Mechanism, body: Body) -> Vec<(usize, Vector3<f64>)> {
+    let identified = body.points(mechanism, mechanism.values());
+    match body {
+        Body::Platform if identified.is_empty() => mechanism.platform_points().into_iter().enumerate().collect(),
+        _ => identified,
+    }
+}
+
+fn centre(points: &[Vector3<f64>]) -> Vector3<f64> {
+    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
+}
+
+fn placed(pose: &Pose, corners: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    ring(&corners.iter().map(|a| pose.place(a)).collect::<Vec<_>>())
+}
+
+/// Points in order around their centre, seen from above.
+fn ring(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let centre = centre(points);
+    let mut ordered = points.to_vec();
+    let angle = |p: &Vector3<f64>| (p.y - centre.y).atan2(p.x - centre.x);
+    ordered.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    ordered
+}

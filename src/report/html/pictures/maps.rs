@@ -1,0 +1,51 @@
+//! Errors over the workspace.
+
+use super::{ARCSECONDS, MICROMETRES, Seen};
+use crate::identification::PoseErrors;
+use crate::pose::PoseConvention;
+use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::units::{show_angle, show_length};
+
+/// Coordinates that make a map: name, its place in the pose, unit.
+const PLANES: [[(&str, usize); 2]; 3] = [[("x", 0), ("y", 1)], [("x", 0), ("z", 2)], [("rx", 3), ("ry", 4)]];
+
+/// The error of each sample as a circle at its pose, in three planes of the workspace; a row of maps for each model.
+pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConvention) -> Figure {
+    let measured = models.first().is_some_and(|m| m.errors.samples.iter().any(|s| s.position.is_some()));
+    let of = |s: &PoseErrors| if measured { s.position } else { s.rotation };
+    let (unit, show): (f64, fn(f64) -> String) =
+        if measured { (MICROMETRES, show_length) } else { (ARCSECONDS, show_angle) };
+    let mut panels = Vec::new();
+    for (colour, model) in models.iter().enumerate() {
+        let sizes: Vec<f64> = model.errors.samples.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect();
+        let largest = sizes.iter().copied().filter(|s| s.is_finite()).fold(0.0, f64::max);
+        let coordinates: Vec<[f64; 6]> = model.deviations.iter().map(|d| convention.coordinates(&d.pose)).collect();
+        for plane in PLANES {
+            let shown = |q: &[f64; 6], k: usize| if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
+            let points = coordinates.iter().map(|q| plane.map(|(_, k)| shown(q, k))).collect();
+            let label = |(name, k): (&str, usize)| format!("{name} ({})", if k < 3 { "mm" } else { "deg" });
+            let shape = Shape::Bubbles { sizes: sizes.iter().map(|s| unit * s).collect(), full: unit * largest };
+            panels.push(Panel {
+                x: Axis::linear(label(plane[0])),
+                y: Axis::linear(label(plane[1])),
+                series: vec![Series::new(
+                    format!("{}; the largest circle is {}", model.name, show(largest)),
+                    colour,
+                    shape,
+                    points,
+                )],
+                ..Panel::default()
+            });
+        }
+    }
+    let what = if measured { "position" } else { "angle" };
+    Figure {
+        title: format!("Where in the workspace: {what} error by area of the circle"),
+        description: format!(
+            "Each sample at its pose in three planes of the workspace, as a circle whose area is its {what} error; a row of \
+             maps for each model."
+        ),
+        columns: 3,
+        panels,
+    }
+}

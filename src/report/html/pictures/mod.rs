@@ -1,0 +1,83 @@
+//! Pictures of what a model misses: over rows, workspace, legs and conditions, and beside the noise.
+//!
+//! | file | question |
+//! |---|---|
+//! | `by_row` | which rows are wrong, and by how much? |
+//! | `maps` | where in the workspace? |
+//! | `strips` | which leg, and with what does it change? |
+//! | `histograms` | is what is left noise? |
+//! | `drawing` | what does it look like? |
+//! | `parameters` | which parameters are known, and which are mixed up? |
+//! | `evidence` | does the named cause follow the data? |
+//! | `choice` | what do the chosen poses promise? |
+
+mod by_row;
+mod choice;
+mod drawing;
+mod evidence;
+mod histograms;
+mod maps;
+mod parameters;
+mod strips;
+
+pub(super) use by_row::by_row;
+pub(super) use choice::{coverage, how_many, trace};
+pub(super) use drawing::{Displacements, drawing};
+pub(super) use evidence::{added_variable, gain, sizes};
+pub(super) use histograms::histograms;
+pub(super) use maps::maps;
+pub(super) use parameters::{correlation, deviations};
+pub(super) use strips::{Layer, strips};
+
+use crate::identification::{Deviation, IdentifyError, ModelErrors, evaluate};
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+
+/// Micrometres in a metre.
+const MICROMETRES: f64 = 1e6;
+/// Arc seconds in a radian.
+const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
+
+/// Data seen through one model.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// What the model is called in legends.
+    pub name: String,
+    /// Length of the error of each sample.
+    pub errors: ModelErrors,
+    /// The errors themselves.
+    pub deviations: Vec<Deviation>,
+}
+
+impl Seen {
+    /// The data through a mechanism, with the measurement's own parameters `own` as for [`evaluate`].
+    ///
+    /// # Errors
+    /// [`IdentifyError::Sample`] if a sample has no pose.
+    pub fn through(
+        name: impl Into<String>,
+        mechanism: &dyn Mechanism,
+        own: &[f64],
+        data: &Dataset,
+    ) -> Result<Self, IdentifyError> {
+        let deviations = crate::identification::deviations(mechanism, own, data)?;
+        Ok(Self { name: name.into(), errors: evaluate(mechanism, own, data)?, deviations })
+    }
+}
+
+/// The smallest of 1, 2, 5, 10, … times a power of ten that is not below a value.
+fn round_up(value: f64) -> f64 {
+    let power = 10_f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0].iter().map(|k| k * power).find(|v| *v >= value * (1.0 - 1e-9)).unwrap_or(10.0 * power)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_are_rounded_up_to_one_two_or_five() {
+        for (value, expected) in [(0.9, 1.0), (1.0, 1.0), (1.1, 2.0), (21.0, 50.0), (0.003, 0.005), (6e4, 1e5)] {
+            let found = super::round_up(value);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{value}: {found}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What is left at each leg over what was recorded.
+
+use std::collections::BTreeMap;
+
+use super::{ARCSECONDS, MICROMETRES};
+use crate::measurement::{Dataset, Sample};
+use crate::mechanism::JointSpec;
+use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
+use crate::units::Dimension;
+
+/// Residuals in the joints under one model.
+pub(in crate::report::html) struct Layer<'a> {
+    /// What the model is called.
+    pub(in crate::report::html) name: &'a str,
+    /// Index into the palette.
+    pub(in crate::report::html) colour: usize,
+    /// Data row and residual of each joint, SI.
+    pub(in crate::report::html) residuals: Vec<(usize, &'a [f64])>,
+}
+
+/// Something over which residuals are drawn.
+struct Against {
+    title: &'static str,
+    label: String,
+    /// Of a sample at a leg, in the unit of the label.
+    of: Get,
+}
+
+/// A recorded value of a sample at a leg.
+type Get = Box<dyn Fn(&Sample, usize) -> Option<f64>>;
+
+/// A figure with a strip for each leg, for the row or time, the joint, temperature, elevation and payload, as far as they
+/// change. `marked` are data rows that look like gross errors.
+pub(in crate::report::html) fn strips(
+    data: &Dataset,
+    joints: &[JointSpec],
+    layers: &[Layer<'_>],
+    marked: &[usize],
+) -> Vec<Figure> {
+    let samples: BTreeMap<usize, &Sample> = data.iter().map(|s| (s.row, s)).collect();
+    let changes = |against: &Against| {
+        let values = data.iter().filter_map(|s| (against.of)(s, 0));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        high - low > 1e-9 * low.abs().max(high.abs())
+    };
+    all(data, joints)
+        .into_iter()
+        .filter(changes)
+        .map(|against| {
+            let panel = |(leg, joint): (usize, &JointSpec)| {
+                let (unit, per_si) = unit(joint.dimension);
+                let mut series = Vec::new();
+                let mut gross = Vec::new();
+                for layer in layers {
+                    let mut points = Vec::new();
+                    for (row, residual) in &layer.residuals {
+                        let x = samples.get(row).and_then(|s| (against.of)(s, leg));
+                        let (Some(x), Some(y)) = (x, residual.get(leg)) else { continue };
+                        let to = if marked.contains(row) { &mut gross } else { &mut points };
+                        to.push([x, per_si * y]);
+                    }
+                    series.push(Series::new(layer.name, layer.colour, Shape::Dots, points));
+                }
+                if !marked.is_empty() {
+                    series.push(Series::new("looks like a gross error", 1, Shape::Dots, gross));
+                }
+                Panel {
+                    title: joint.name.clone(),
+                    x: Axis::linear(against.label.clone()),
+                    y: Axis::linear(format!("residual ({unit})")),
+                    series,
+                    rules: vec![Rule { horizontal: true, at: 0.0, label: String::new() }],
+                    ..Panel::default()
+                }
+            };
+            Figure {
+                title: format!("Leg by leg over {}", against.title),
+                description: format!(
+                    "What is left of each sample as a change of each joint, measured minus predicted, over {}.",
+                    against.title
+                ),
+                columns: 3,
+                panels: joints.iter().enumerate().map(panel).collect(),
+            }
+        })
+        .collect()
+}
+
+/// Unit of a residual in a joint, and how many of it make one in SI.
+fn unit(dimension: Dimension) -> (&'static str, f64) {
+    match dimension {
+        Dimension::Length => ("um", MICROMETRES),
+        Dimension::Angle => ("arcsec", ARCSECONDS),
+        other => (other.si(), 1.0),
+    }
+}
+
+fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
+    let recorded =
+        |name: &'static str, per_si: f64| move |s: &Sample, _: usize| s.conditions.get(name).map(|v| per_si * v);
+    let timed = data.iter().all(|s| s.conditions.get("time").is_some());
+    let first = match timed {
+        true => Against { title: "time", label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) },
+        false => Against { title: "the data row", label: "data row".into(), of: Box::new(|s, _| Some(s.row as f64)) },
+    };
+    let of_joint = joints.first().map_or(Dimension::None, |j| j.dimension);
+    let (joint_unit, per_si) = of_joint.in_tables();
+    let alike = joints.iter().all(|j| j.dimension == of_joint);
+    let joint = Against {
+        title: if of_joint == Dimension::Length { "the length of the leg" } else { "the joint" },
+        label: if alike { format!("{} ({joint_unit})", of_joint.noun()) } else { "joint (SI)".into() },
+        of: Box::new(move |s, leg| Some(if alike { per_si } else { 1.0 } * s.joints.get(leg)?)),
+    };
+    let temperature = Against {
+        title: "the temperature of the leg",
+        label: "temperature (°C)".into(),
+        of: Box::new(|s, leg| {
+            s.conditions.get(&format!("temp_leg{}", leg + 1)).or_else(|| s.conditions.leg_temperature())
+        }),
+    };
+    let elevation = Against {
+        title: "the elevation",
+        label: "elevation (deg)".into(),
+        of: Box::new(recorded("elevation", 180.0 / std::f64::consts::PI)),
+    };
+    let payload =
+        Against { title: "the payload", label: "payload (kg)".into(), of: Box::new(recorded("payload", 1.0)) };
+    vec![first, joint, temperature, elevation, payload]
+}

@@ -1,0 +1,53 @@
+//! The page of `select`.
+
+use super::Subject;
+use super::page::{Page, Part, Section, Tone};
+use super::pictures::{coverage, drawing, how_many, trace};
+use crate::report::text::{self, Selection};
+use crate::units::{show_angle, show_length};
+
+/// A choice of poses.
+pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
+    let r = s.report;
+    let forecast = r.forecast.as_ref().map(|f| f.error);
+    let efficiency = r.efficiency.map(|e| format!("{:.2} %", 100.0 * e));
+    let numbers = [
+        ("poses".to_owned(), Some(r.poses.len().to_string())),
+        (r.index.clone(), Some(format!("{:.4e}", r.value))),
+        ("certified efficiency".into(), efficiency.clone()),
+        ("predicted position error, RMS".into(), forecast.map(|e| show_length(e.position_rms))),
+        ("predicted angle error, RMS".into(), forecast.map(|e| show_angle(e.rotation_rms))),
+    ];
+    let sure = match &efficiency {
+        Some(e) => format!(
+            "no other {} of these candidates can be better by more than the rest to 100 %: it has {e}",
+            r.poses.len()
+        ),
+        None => format!("how far the best set is away is not known for {}", r.index),
+    };
+    let mut poses = vec![Part::picture(coverage(r, s.given, subject.convention))];
+    poses.extend(drawing(subject.mechanism, &r.poses, None, &[]).map(Part::drawing));
+    let mut sections = vec![
+        Section { id: "poses", title: "The poses", parts: poses },
+        Section { id: "choice", title: "How the choice came about", parts: vec![Part::picture(trace(r))] },
+    ];
+    if !s.table.is_empty() {
+        let rows = s.table.iter().map(text::number_row).collect();
+        let parts = vec![
+            Part::picture(how_many(s.table, r.poses.len())),
+            Part::Table(vec!["poses", "index", "efficiency", "position", "rotation"], rows),
+        ];
+        sections.push(Section { id: "number", title: "How many poses", parts });
+    }
+    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::selection(s))] });
+    let good = r.efficiency.is_none_or(|e| e > 0.9);
+    Page {
+        title: format!("{}: poses to measure", s.title),
+        verdict: format!("Measure the {} poses of {}: {sure}.", r.poses.len() - s.given, s.file),
+        tone: if good { Tone::Good } else { Tone::Mind },
+        numbers: numbers.into_iter().filter_map(|(name, value)| Some((name, value?))).collect(),
+        lead: Vec::new(),
+        sections,
+        settings: subject.settings.clone(),
+    }
+}
