@@ -1,5 +1,7 @@
 //! Tests of ticks, texts, layout and robustness.
 
+use std::fmt::Debug;
+
 use super::axis::{Extent, View, label_linear, multiples, nice_step};
 use super::number::{exponent, fixed, shorten, significant, superscript, ten, width, wrap};
 use super::svg::{Canvas, DARK, FAINT, GROUND, INK, LIGHT, escape, num};
@@ -56,10 +58,14 @@ fn check_numbers(text: &str) {
 }
 
 fn check(figure: &Figure, id: &str) {
-    let canvas = figure::compose(figure, id);
     let text = figure.svg_with_id(id);
     assert_eq!(text, figure.svg_with_id(id));
-    check_xml(&text);
+    check_picture(&figure::compose(figure, id), &text, figure);
+}
+
+/// Checks the markup of a picture, and that its texts lie inside and not over each other.
+pub(super) fn check_picture(canvas: &Canvas, text: &str, figure: &impl Debug) {
+    check_xml(text);
     assert!(!text.contains("NaN") && !text.contains("inf"), "{figure:?}");
     for (i, a) in canvas.boxes.iter().enumerate() {
         let inside = a.x0 >= 0.0 && a.y0 >= 0.0 && a.x1 <= canvas.width && a.y1 <= canvas.height;
@@ -71,15 +77,15 @@ fn check(figure: &Figure, id: &str) {
 }
 
 /// Pseudo-random numbers.
-struct Dice(u64);
+pub(super) struct Dice(pub u64);
 
 impl Dice {
-    fn roll(&mut self, n: usize) -> usize {
+    pub(super) fn roll(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % n
     }
 
-    fn value(&mut self, kind: usize) -> f64 {
+    pub(super) fn value(&mut self, kind: usize) -> f64 {
         let unit = self.roll(1 << 20) as f64 / f64::from(1 << 20);
         let nasty = [
             f64::NAN,
@@ -110,7 +116,7 @@ impl Dice {
         }
     }
 
-    fn text(&mut self) -> String {
+    pub(super) fn text(&mut self) -> String {
         let words =
             ["leg", "W", "<b>&amp;", "\"q\"", "\u{1}\t", "Überbestimmtheit", "誤差", "(m/s²)", "🙂", "]]>", "1e-3"];
         let long = [0, 1, 2, 4, 9, 40][self.roll(6)];
@@ -280,8 +286,8 @@ fn tooltips_end_at_400_points() {
     assert_eq!((titles(400), titles(401)), (400, 0));
 }
 
-#[test]
-fn contrasts_suffice() {
+/// The contrast ratio of two colours (WCAG 2).
+pub(super) fn contrast(a: &str, b: &str) -> f64 {
     let luminance = |hex: &str| -> f64 {
         let part = |i: usize| {
             let v = f64::from(u8::from_str_radix(&hex[i..i + 2], 16).expect("hex")) / 255.0;
@@ -289,10 +295,12 @@ fn contrasts_suffice() {
         };
         0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
     };
-    let contrast = |a: &str, b: &str| {
-        let (a, b) = (luminance(a), luminance(b));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    };
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn contrasts_suffice() {
     for (mode, palette) in [LIGHT, DARK].iter().enumerate() {
         assert!(contrast(INK[mode], GROUND[mode]) >= 4.5 && contrast(FAINT[mode], GROUND[mode]) >= 4.5);
         palette.iter().for_each(|c| assert!(contrast(c, GROUND[mode]) >= 3.0, "{c}"));
