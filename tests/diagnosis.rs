@@ -16,7 +16,7 @@ use hidden::mistakes::FORMS;
 use hidden::run::{Row, Run, Weather, normal};
 use hidden::strangers;
 use hidden::text::Sheet;
-use paracal::diagnosis::{Cause, Diagnosis, Plan, Verdict, settle};
+use paracal::diagnosis::{Cause, Diagnosis, JointResiduals, Plan, Verdict, settle};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -92,8 +92,25 @@ fn each_effect_is_named_with_its_place_and_its_size() {
         wrong.extend(unless(found.verdict == Verdict::Named || twin(effect), "verdict"));
         wrong.extend(right(truth, 0, cause));
         wrong.extend(gained(found));
+        wrong.extend(drawn(found, cause));
         wrong
     });
+}
+
+/// What is left without the cause follows what the cause predicts, one to one, and less is left in the joints with it.
+fn drawn(found: &Diagnosis, cause: &Cause) -> Vec<String> {
+    let points = &cause.added_variable.points;
+    let (xx, xy) = points.iter().fold((0.0, 0.0), |(xx, xy), [x, y]| (xx + x * x, xy + x * y));
+    let scatter = points.iter().map(|[x, y]| (y - x).powi(2)).sum::<f64>() / points.len() as f64;
+    let sum = |of: fn(&JointResiduals) -> &Vec<f64>| found.residuals.iter().flat_map(of).map(|r| r * r).sum::<f64>();
+    [
+        unless(points.len() == 6 * ROWS, format!("{} points", points.len())),
+        unless((xy / xx - 1.0).abs() < 0.02, format!("slope {}", xy / xx)),
+        // The parameters take a part of the noise away.
+        unless((0.3..1.1).contains(&scatter), format!("scatter {scatter}")),
+        unless(sum(|r| &r.after) < sum(|r| &r.before), "the joints"),
+    ]
+    .concat()
 }
 
 #[test]
@@ -124,7 +141,15 @@ fn gross_errors_are_found_and_no_good_row() {
     });
     examine(Kind::OneWithOutliers(4.0), [2, 9, 16], |truth, found| {
         let named = found.causes.first().is_some_and(|c| c.effect == truth.effects[0]);
-        [unless(named, "name"), unless(found.outlier_rows == truth.outlier_rows, "rows")].concat()
+        let left_out: Vec<usize> = found.residuals.iter().filter(|r| r.left_out).map(|r| r.row).collect();
+        let size = |r: &&JointResiduals| r.after.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        let far = found.residuals.iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap();
+        [
+            unless(named, "name"),
+            unless(found.outlier_rows == truth.outlier_rows && left_out == truth.outlier_rows, "rows"),
+            unless(far.left_out, "the farthest row of the strips"),
+        ]
+        .concat()
     });
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
+use paracal::diagnosis::{JointResiduals, Question, diagnose};
 
 /// Runs the program in the project's folder with `--report`; the page and what was printed.
 fn report(arguments: &[&str], folder: &Path) -> (String, String) {
@@ -31,6 +32,8 @@ fn whole(page: &str) {
         assert!(!page.contains(no), "{no}");
     }
     assert!(page.len() < 1_500_000, "{} bytes", page.len());
+    let parsed = scraper::Html::parse_document(page);
+    assert!(parsed.errors.is_empty(), "{:?}", parsed.errors);
     // Every picture has a title and a text alternative.
     assert_eq!(page.matches("<svg").count(), page.matches("role=\"img\"").count());
     assert_eq!(page.matches("<svg").count(), page.matches("<desc").count());
@@ -58,6 +61,11 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
         "xA1",
         "h6",
         "stated noise",
+        "Where in the workspace",
+        "What is left, beside the noise",
+        "Leg by leg over the length of the leg",
+        "Correlations of the identified parameters",
+        "times as long as the errors",
         "hardpoint-noisy.csv",
     ] {
         assert!(page.contains(shown), "{shown}");
@@ -72,9 +80,89 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
     let (page, printed) = report(&call, folder.path());
     whole(&page);
     assert!(printed.contains("NAMED: scale.per_leg and drift.leg at leg 1."));
-    for shown in
-        ["NAMED: scale.per_leg and drift.leg at leg 1.", "What to do:", "scale6", "Detection limits", "held out"]
-    {
+    for shown in [
+        "NAMED: scale.per_leg and drift.leg at leg 1.",
+        "What to do:",
+        "scale6",
+        "Detection limits",
+        "held out",
+        "Added-variable plots",
+        "Leg by leg over time",
+        "Leg by leg over the temperature of the leg",
+        "Leg by leg over the elevation",
+        "leg with a named cause",
+        "Squares on the ground are",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+#[test]
+fn a_creeping_leg_is_seen_in_its_strip_and_gone_with_its_cause() {
+    let machine = common::machine("mechanisms/table5-telescope.toml");
+    let measurement = common::data("examples/data/hardpoint-two-causes.csv", &machine);
+    let found = diagnose(&Question::of(&machine, &measurement.data)).unwrap();
+    let creep = found.causes.iter().find(|c| c.effect == "drift.leg").unwrap();
+    assert_eq!(creep.leg, Some(0));
+    // Slope of the residual of leg 1 over the run, m.
+    let slope = |of: fn(&JointResiduals) -> &Vec<f64>| {
+        let n = found.residuals.len() as f64;
+        let at = |k: usize| k as f64 / (n - 1.0) - 0.5;
+        let ys = found.residuals.iter().map(|r| of(r)[0]);
+        let sum = ys.enumerate().fold((0.0, 0.0), |(xy, xx), (k, y)| (xy + at(k) * y, xx + at(k) * at(k)));
+        sum.0 / sum.1
+    };
+    let (before, after) = (slope(|r| &r.before), slope(|r| &r.after));
+    let whole = creep.parameters[0].value;
+    assert!((before / whole - 1.0).abs() < 0.15, "{before:e} of {whole:e}");
+    assert!((after / whole).abs() < 0.05, "{after:e} of {whole:e}");
+}
+
+#[test]
+fn a_choice_is_shown_with_its_bound_and_the_poses() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("poses.csv");
+    let call = ["select", "mechanisms/table5.toml", "-n", "12", "--candidates", "100", "-o", out.to_str().unwrap()];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    for shown in [
+        "Measure the 12 poses of",
+        "certified to reach",
+        "Where the poses lie",
+        "platform at the poses",
+        "no set of these candidates passes this",
+        "predicted position error, RMS",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+#[test]
+fn an_exhibit_of_the_paper_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let call =
+        ["reproduce", "figure8", "--out", out.to_str().unwrap(), "--draws", "5", "--lists", "1", "--candidates", "50"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    assert!(page.contains("figure8: ") && page.contains("5 noise draws"));
+}
+
+#[test]
+fn what_repeats_a_page_holds_the_hash_of_each_input_and_the_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("it's measured.csv");
+    // The hash is what sha256sum says of the bundled file.
+    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
+    let out = folder.path().join("c.toml");
+    let call =
+        ["calibrate", "mechanisms/table5.toml", data.to_str().unwrap(), "-o", out.to_str().unwrap(), "--seed", "7"];
+    let (page, _) = report(&call, folder.path());
+    for shown in [
+        "0563701c3823dd26331ccde41be664346a73e39dc298708e1bad56168759eb9a",
+        "<th scope=\"row\">seed</th><td>7</td>",
+        "it'\\''s measured.csv",
+    ] {
         assert!(page.contains(shown), "{shown}");
     }
 }

@@ -1,19 +1,23 @@
 //! Layout of a figure: title, legend, rows of panels.
 
+use std::fmt::Debug;
+
 use super::legend::{Entry, Legend, entries};
 use super::number::wrap;
 use super::panel::{Frame, Layout, Sides};
 use super::svg::{Anchor, Canvas, Font};
 use super::{Figure, Panel, Shape};
 
-const TITLE: Font = Font { bold: true, ..Font::new(18.0, "t", Anchor::Start) };
-const MARGIN: f64 = 16.0;
+/// Font of the title of a picture.
+pub(super) const TITLE: Font = Font { bold: true, ..Font::new(18.0, "t", Anchor::Start) };
+/// Margin around a picture.
+pub(super) const MARGIN: f64 = 16.0;
 const GAP: f64 = 30.0;
 /// Plots narrower than this are not drawn; the figure gets fewer columns instead.
 const NARROWEST: f64 = 130.0;
 
-/// An id prefix from the content (FNV-1a), so that different figures have different prefixes.
-pub(super) fn default_id(figure: &Figure) -> String {
+/// An id prefix from the content (FNV-1a), so that different pictures have different prefixes.
+pub(super) fn default_id(figure: &impl Debug) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for byte in format!("{figure:?}").bytes() {
         hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

@@ -1,6 +1,6 @@
 //! Legends: entries, flow layout, swatches.
 
-use super::marks::{marker, marker_class, palette_class};
+use super::marks::{arrow, marker, marker_class, palette_class};
 use super::number::{width, wrap};
 use super::svg::{Anchor, Canvas, Font, num};
 use super::{Panel, Shape};
@@ -21,6 +21,11 @@ pub(super) enum Look {
     ErrorBars,
     Dots,
     Bubbles,
+    /// A thin faint line.
+    Thin,
+    /// A thick line with a joint at each end.
+    Leg,
+    Arrow,
 }
 
 impl Look {
@@ -135,6 +140,15 @@ fn swatch(canvas: &mut Canvas, (colour, look): (usize, Look), x: f64, y: f64, ma
         }
         Look::Dots => canvas.path(marker_class(), &mark(4.2), None),
         Look::Bubbles => canvas.path("over", &marker(0, middle, y, 6.0), None),
+        Look::Thin => canvas.stroke("edge", Some(1.1), &line, None),
+        Look::Leg => {
+            canvas.stroke("edge", Some(4.0), &format!("M{} {}h{}", num(x + 4.0), num(y), SWATCH - 8.0), None);
+            canvas.path("mark", &(marker(0, x + 4.0, y, 3.2) + &marker(0, x + SWATCH - 4.0, y, 3.2)), None);
+        }
+        Look::Arrow => {
+            let (foot, tip) = ([x + 2.0, y], [x + SWATCH - 2.0, y]);
+            canvas.stroke("arrow", Some(1.6), &arrow(foot, tip, 8.0), None);
+        }
     }
     canvas.raw("</g>\n");
 }

@@ -6,7 +6,7 @@ use super::svg::{Canvas, LIGHT, num};
 use super::{Series, Shape};
 
 /// Series with more points than this get no tooltips, and their markers become one path.
-const MANY: usize = 400;
+pub(super) const MANY: usize = 400;
 
 /// Outlines of the markers, in units of the radius; the first one (no corners) is the circle.
 const OUTLINES: [&[(f64, f64)]; 8] = [
@@ -60,6 +60,27 @@ pub(super) fn marker(colour: usize, x: f64, y: f64, r: f64) -> String {
     }
     d.push('z');
     d
+}
+
+/// An arrow as path data: the shaft and a filled head, which is shorter on short arrows. The round caps make a dot of
+/// an arrow without length.
+pub(super) fn arrow(foot: [f64; 2], tip: [f64; 2], head: f64) -> String {
+    let (dx, dy) = (tip[0] - foot[0], tip[1] - foot[1]);
+    let length = dx.hypot(dy);
+    let at = |p: [f64; 2]| format!("{} {}", tenth(p[0]), tenth(p[1]));
+    if !(length > 0.3) {
+        return format!("M{}h0", at(tip));
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let head = head.min(0.55 * length);
+    let neck = [tip[0] - head * ux, tip[1] - head * uy];
+    let side = |s: f64| at([neck[0] - s * 0.36 * head * uy, neck[1] + s * 0.36 * head * ux]);
+    format!("M{}L{}M{}L{}L{}z", at(foot), at(neck), side(1.0), at(tip), side(-1.0))
+}
+
+/// A coordinate with at most one decimal, for pictures of very many points.
+pub(super) fn tenth(v: f64) -> String {
+    num((v * 10.0).round() / 10.0)
 }
 
 /// The class of the markers of data points.
@@ -213,7 +234,7 @@ impl Plot<'_> {
         let mut all = String::new();
         for (i, point) in series.points.iter().enumerate().filter(|(_, p)| self.shows(**p)) {
             let d = marker(series.colour, self.px(point[0]), self.py(point[1]), radius);
-            if many {
+            if many || series.plain {
                 all.push_str(&d);
             } else {
                 let end = ends.and_then(|e| e.get(i));

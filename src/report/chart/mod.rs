@@ -2,7 +2,9 @@
 //!
 //! A [`Figure`] is one picture of one or more [`Panel`]s. Each panel has an x axis, a y axis and, if wanted, a second
 //! y axis on the right; on these it draws [`Series`] (lines, dots, bars, error bars, bands) and labelled reference
-//! lines ([`Rule`]). The text of the picture is returned as a string, to be stored as a file or put into a page.
+//! lines ([`Rule`]). A [`Scene`] is a drawing of a mechanism in perspective: rings and platforms, legs, coordinate
+//! systems, and arrows for what happens to them. The text of the picture is returned as a string, to be stored as a
+//! file or put into a page.
 //!
 //! Design rules:
 //!
@@ -25,11 +27,14 @@ mod marks;
 mod number;
 mod panel;
 mod rules;
+mod scene;
 mod svg;
 #[cfg(test)]
 mod tests;
 mod ticks;
 mod tinted;
+
+pub use scene::{Arrow, Dot, Outline, Scene, Segment, Triad, View};
 
 /// One picture of one or more panels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,12 +135,14 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Whether y belongs to the axis on the right.
     pub right: bool,
+    /// Whether dots bear no tooltips, so that pages with many of them stay small.
+    pub plain: bool,
 }
 
 impl Series {
     /// A series on the left axis.
     pub fn new(name: impl Into<String>, colour: usize, shape: Shape, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.into(), colour, shape, points, right: false }
+        Self { name: name.into(), colour, shape, points, right: false, plain: false }
     }
 }
 

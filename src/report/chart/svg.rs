@@ -86,7 +86,17 @@ pub(super) struct Canvas {
     pub width: f64,
     pub height: f64,
     pub boxes: Vec<TextBox>,
+    pub extra: Extra,
     body: String,
+}
+
+/// Rules of the style sheet beyond the common ones.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extra {
+    /// For both backgrounds.
+    pub common: String,
+    /// For the light and for the dark background.
+    pub modes: [String; 2],
 }
 
 impl Canvas {
@@ -96,7 +106,7 @@ impl Canvas {
         if !id.starts_with(|c: char| c.is_ascii_alphabetic()) {
             id.insert_str(0, "chart");
         }
-        Self { id, width, height: 0.0, boxes: Vec::new(), body: String::new() }
+        Self { id, width, height: 0.0, boxes: Vec::new(), extra: Extra::default(), body: String::new() }
     }
 
     /// Appends markup as it is.
@@ -111,13 +121,19 @@ impl Canvas {
 
     /// A path with a class and perhaps a tooltip.
     pub(super) fn path(&mut self, class: &str, d: &str, tip: Option<&str>) {
+        self.stroke(class, None, d, tip);
+    }
+
+    /// A path with a class, perhaps a width of its own (the class must not set one) and perhaps a tooltip.
+    pub(super) fn stroke(&mut self, class: &str, width: Option<f64>, d: &str, tip: Option<&str>) {
         if d.is_empty() {
             return;
         }
         let class = self.class(class);
+        let width = width.map(|w| format!(" stroke-width=\"{}\"", num(w))).unwrap_or_default();
         match tip {
-            Some(tip) => self.raw(&format!("<path {class} d=\"{d}\"><title>{}</title></path>\n", escape(tip))),
-            None => self.raw(&format!("<path {class} d=\"{d}\"/>\n")),
+            Some(tip) => self.raw(&format!("<path {class}{width} d=\"{d}\"><title>{}</title></path>\n", escape(tip))),
+            None => self.raw(&format!("<path {class}{width} d=\"{d}\"/>\n")),
         }
     }
 
@@ -182,9 +198,12 @@ impl Canvas {
              .{id}-mark{{stroke:currentColor;stroke-width:1.5}}\n\
              .{id}-h{{paint-order:stroke;stroke-width:4;stroke-linejoin:round}}\n"
         );
+        css.push_str(&self.extra.common);
         css.push_str(&self.colours(0, &LIGHT));
+        css.push_str(&self.extra.modes[0]);
         css.push_str("@media (prefers-color-scheme: dark){\n");
         css.push_str(&self.colours(1, &DARK));
+        css.push_str(&self.extra.modes[1]);
         css.push_str("}\n");
         css
     }

@@ -1,5 +1,7 @@
 //! Tests of ticks, texts, layout and robustness.
 
+use std::fmt::Debug;
+
 use super::axis::{Extent, View, label_linear, multiples, nice_step};
 use super::number::{exponent, fixed, shorten, significant, superscript, ten, width, wrap};
 use super::svg::{Canvas, DARK, FAINT, GROUND, INK, LIGHT, escape, num};
@@ -56,10 +58,14 @@ fn check_numbers(text: &str) {
 }
 
 fn check(figure: &Figure, id: &str) {
-    let canvas = figure::compose(figure, id);
     let text = figure.svg_with_id(id);
     assert_eq!(text, figure.svg_with_id(id));
-    check_xml(&text);
+    check_picture(&figure::compose(figure, id), &text, figure);
+}
+
+/// Checks the markup of a picture, and that its texts lie inside and not over each other.
+pub(super) fn check_picture(canvas: &Canvas, text: &str, figure: &impl Debug) {
+    check_xml(text);
     assert!(!text.contains("NaN") && !text.contains("inf"), "{figure:?}");
     for (i, a) in canvas.boxes.iter().enumerate() {
         let inside = a.x0 >= 0.0 && a.y0 >= 0.0 && a.x1 <= canvas.width && a.y1 <= canvas.height;
@@ -71,15 +77,15 @@ fn check(figure: &Figure, id: &str) {
 }
 
 /// Pseudo-random numbers.
-struct Dice(u64);
+pub(super) struct Dice(pub u64);
 
 impl Dice {
-    fn roll(&mut self, n: usize) -> usize {
+    pub(super) fn roll(&mut self, n: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % n
     }
 
-    fn value(&mut self, kind: usize) -> f64 {
+    pub(super) fn value(&mut self, kind: usize) -> f64 {
         let unit = self.roll(1 << 20) as f64 / f64::from(1 << 20);
         let nasty = [
             f64::NAN,
@@ -110,7 +116,7 @@ impl Dice {
         }
     }
 
-    fn text(&mut self) -> String {
+    pub(super) fn text(&mut self) -> String {
         let words =
             ["leg", "W", "<b>&amp;", "\"q\"", "\u{1}\t", "Überbestimmtheit", "誤差", "(m/s²)", "🙂", "]]>", "1e-3"];
         let long = [0, 1, 2, 4, 9, 40][self.roll(6)];
@@ -280,8 +286,8 @@ fn tooltips_end_at_400_points() {
     assert_eq!((titles(400), titles(401)), (400, 0));
 }
 
-#[test]
-fn contrasts_suffice() {
+/// The contrast ratio of two colours (WCAG 2).
+pub(super) fn contrast(a: &str, b: &str) -> f64 {
     let luminance = |hex: &str| -> f64 {
         let part = |i: usize| {
             let v = f64::from(u8::from_str_radix(&hex[i..i + 2], 16).expect("hex")) / 255.0;
@@ -289,12 +295,71 @@ fn contrasts_suffice() {
         };
         0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
     };
-    let contrast = |a: &str, b: &str| {
-        let (a, b) = (luminance(a), luminance(b));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    };
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn contrasts_suffice() {
     for (mode, palette) in [LIGHT, DARK].iter().enumerate() {
         assert!(contrast(INK[mode], GROUND[mode]) >= 4.5 && contrast(FAINT[mode], GROUND[mode]) >= 4.5);
         palette.iter().for_each(|c| assert!(contrast(c, GROUND[mode]) >= 3.0, "{c}"));
     }
+}
+
+/// A figure with every shape, as it is stored.
+#[test]
+fn pictures_are_as_they_were() {
+    let points = |values: &[f64]| values.iter().enumerate().map(|(k, v)| [k as f64, *v]).collect::<Vec<_>>();
+    let ys = [1.0, 4.0, 2.0, 8.0];
+    let ends = ys.iter().map(|y| [y - 0.5, y + 0.5]).collect();
+    let panel = |title: &str, x: Axis, y: Axis, series: Vec<Series>| Panel {
+        title: title.into(),
+        x,
+        y,
+        series,
+        rules: vec![Rule { horizontal: true, at: 3.0, label: "limit".into() }],
+        ..Panel::default()
+    };
+    let lines = vec![
+        Series::new("band", 2, Shape::Band { lower: vec![0.5; 4] }, points(&ys)),
+        Series::new("line", 0, Shape::Line, points(&ys)),
+        Series::new("dashed", 1, Shape::Dashed, points(&[2.0, 2.5, 3.0, 3.5])),
+        Series::new("with dots", 3, Shape::LineWithDots, points(&[8.0, 6.0, 5.0, 1.0])),
+    ];
+    let marks = vec![
+        Series::new("dots", 0, Shape::Dots, points(&ys)),
+        Series::new("error bars", 1, Shape::ErrorBars { ends }, points(&ys)),
+    ];
+    let names = || vec!["xA1".to_owned(), "yA1".into(), "zA1".into(), "h1".into()];
+    let bars = vec![Series::new("bars", 0, Shape::Bars { width: 0.6 }, points(&ys))];
+    let circles = Shape::Bubbles { sizes: ys.to_vec(), full: 8.0 };
+    let cells = Shape::Cells { values: vec![1.0, 0.5, 0.25, 0.001] };
+    let figure = Figure {
+        title: "Every shape".into(),
+        description: "Lines, marks, bars, circles and cells.".into(),
+        columns: 2,
+        panels: vec![
+            panel("Lines", Axis::linear("x (mm)"), Axis::linear("y (um)"), lines),
+            panel("Marks", Axis::linear("x (mm)"), Axis::log("y (um)"), marks),
+            panel("Bars", Axis::named("parameter", names()), Axis::linear("y (um)"), bars),
+            panel(
+                "Circles",
+                Axis::linear("x"),
+                Axis::linear("y"),
+                vec![Series::new("circles", 4, circles, points(&ys))],
+            ),
+            Panel {
+                rules: Vec::new(),
+                ..panel(
+                    "Cells",
+                    Axis::named("", names()),
+                    Axis::named("", names()),
+                    vec![Series::new("cells", 5, cells, points(&[0.0, 1.0, 2.0, 3.0]))],
+                )
+            },
+        ],
+    };
+    check(&figure, "shapes");
+    insta::assert_snapshot!(figure.svg_with_id("shapes"));
 }

@@ -140,7 +140,7 @@ fn cause_row(c: &Cause) -> Vec<String> {
         c.leg.map_or_else(String::new, |leg| (leg + 1).to_string()),
         values.collect::<Vec<_>>().join("; "),
         three_digits(c.evidence),
-        show_probability(c.p_value),
+        show_probability(c.p_value).trim_start_matches("= ").to_owned(),
         format!("{}{}", three_digits(c.size_over_limit), if c.tentative { " (tentative)" } else { "" }),
         rivals.join(", "),
     ]

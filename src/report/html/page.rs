@@ -11,6 +11,7 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;overflow-wrap:normal}
 th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
+td{white-space:nowrap}td.long{white-space:normal;text-align:left;min-width:14rem}
 th[scope=row],th:first-child,td:first-child{text-align:left;font-weight:normal}
 small{display:block;color:var(--dim)}
 .held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
@@ -95,7 +96,9 @@ impl Part {
             Self::Table(header, rows) => html! {
                 div.wide { table {
                     thead { tr { @for h in header { th scope="col" { (h) } } } }
-                    tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+                    tbody { @for row in rows { tr { @for cell in row {
+                        td class=[is_long(cell).then_some("long")] { (cell) }
+                    } } } }
                 } }
             },
             Self::Picture(figure) => html! { figure { (PreEscaped(figure.svg_with_id(id))) } },
@@ -137,6 +140,14 @@ impl Page {
         };
         shell(&self.title, &body)
     }
+}
+
+/// Characters beyond which a cell wraps and is read from the left.
+const LONG: usize = 24;
+
+/// True for a cell of words and not of one number.
+fn is_long(cell: &str) -> bool {
+    cell.chars().count() > LONG
 }
 
 /// A document around a body, in the style of all pages.

@@ -19,11 +19,11 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
         ("predicted angle error, RMS".into(), forecast.map(|e| show_angle(e.rotation_rms))),
     ];
     let sure = match &efficiency {
-        Some(e) => format!(
-            "no other {} of these candidates can be better by more than the rest to 100 %: it has {e}",
-            r.poses.len()
-        ),
-        None => format!("how far the best set is away is not known for {}", r.index),
+        Some(e) => {
+            let n = r.poses.len();
+            format!("they are certified to reach {e} of the best {} that {n} of these candidates could have", r.index)
+        }
+        None => format!("no bound is known for {}, so how much better another set could be is not known", r.index),
     };
     let mut poses = vec![Part::picture(coverage(r, s.given, subject.convention))];
     poses.extend(drawing(subject.mechanism, &r.poses, None, &[]).map(Part::drawing));

@@ -38,11 +38,15 @@ pub(in crate::report::html) fn coverage(r: &Report, given: usize, convention: &P
     ];
     let shown = |q: &[f64; 6], k: usize| if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
     let panel = |(x, i, y, j): (&str, usize, &str, usize)| {
-        let points = |of: &[[f64; 6]]| of.iter().map(|q| [shown(q, i), shown(q, j)]).collect();
-        let mut series = vec![Series::new("chosen", 0, Shape::Dots, points(&coordinates[given..]))];
-        if given > 0 {
-            series.push(Series::new("given", 1, Shape::Dots, points(&coordinates[..given])));
-        }
+        let series = |name: &str, colour: usize, of: &[[f64; 6]]| {
+            let (points, sizes) = stacked(of.iter().map(|q| [shown(q, i), shown(q, j)]));
+            Series::new(name, colour, Shape::Bubbles { sizes, full: 0.5 * coordinates.len() as f64 }, points)
+        };
+        let mut series = vec![
+            series("chosen; larger circles are several poses", 0, &coordinates[given..]),
+            series("given", 1, &coordinates[..given]),
+        ];
+        series.retain(|s| !s.points.is_empty());
         Panel { x: Axis::linear(x), y: Axis::linear(y), series, ..Panel::default() }
     };
     Figure {
@@ -51,6 +55,22 @@ pub(in crate::report::html) fn coverage(r: &Report, given: usize, convention: &P
         columns: 2,
         panels: planes.into_iter().map(panel).collect(),
     }
+}
+
+/// Places and how many points lie at each; corners of a workspace are shared by many poses.
+fn stacked(points: impl Iterator<Item = [f64; 2]>) -> (Vec<[f64; 2]>, Vec<f64>) {
+    let (mut places, mut counts): (Vec<[f64; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
+    for point in points {
+        let same = |p: &[f64; 2]| (p[0] - point[0]).abs() < 1e-6 && (p[1] - point[1]).abs() < 1e-6;
+        match places.iter().position(same) {
+            Some(k) => counts[k] += 1.0,
+            None => {
+                places.push(point);
+                counts.push(1.0);
+            }
+        }
+    }
+    (places, counts)
 }
 
 /// Predicted error of the calibrated pose and efficiency over the number of poses.

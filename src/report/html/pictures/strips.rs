@@ -59,7 +59,7 @@ pub(in crate::report::html) fn strips(
                         let to = if marked.contains(row) { &mut gross } else { &mut points };
                         to.push([x, per_si * y]);
                     }
-                    series.push(Series::new(layer.name, layer.colour, Shape::Dots, points));
+                    series.push(Series { plain: true, ..Series::new(layer.name, layer.colour, Shape::Dots, points) });
                 }
                 if !marked.is_empty() {
                     series.push(Series::new("looks like a gross error", 1, Shape::Dots, gross));
