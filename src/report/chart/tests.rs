@@ -61,16 +61,13 @@ fn check(figure: &Figure, id: &str) {
     check_xml(&text);
     check_xml(&format!("<figure>{}</figure>", figure.html_with_id(id)));
     assert!(!text.contains("NaN") && !text.contains("inf"), "{figure:?}");
-    check_canvas(figure, &figure::compose(figure, id));
-    check_canvas(figure, &figure::compose_narrow(figure, id));
-}
-
-fn check_canvas(figure: &Figure, canvas: &Canvas) {
-    for (i, a) in canvas.boxes.iter().enumerate() {
-        let inside = a.x0 >= 0.0 && a.y0 >= 0.0 && a.x1 <= canvas.width && a.y1 <= canvas.height;
-        assert!(inside, "{a:?} is outside {} x {}: {figure:?}", canvas.width, canvas.height);
-        for b in &canvas.boxes[i + 1..] {
-            assert!(!a.overlaps(b), "{a:?} overlaps {b:?}: {figure:?}");
+    for canvas in [figure::compose(figure, id), figure::compose_narrow(figure, id)] {
+        for (i, a) in canvas.boxes.iter().enumerate() {
+            let inside = a.x0 >= 0.0 && a.y0 >= 0.0 && a.x1 <= canvas.width && a.y1 <= canvas.height;
+            assert!(inside, "{a:?} is outside {} x {}: {figure:?}", canvas.width, canvas.height);
+            for b in &canvas.boxes[i + 1..] {
+                assert!(!a.overlaps(b), "{a:?} overlaps {b:?}: {figure:?}");
+            }
         }
     }
 }
