@@ -153,7 +153,7 @@ impl Exhibit {
                         @if !c.why.is_empty() { small { (c.why) } }
                     }
                     @for (k, cell) in cells(c).iter().enumerate() {
-                        @if k == 4 { td class=(class) { (cell) } } @else { td { (cell) } }
+                        td class=(if k == 4 { format!("number {class}") } else { "number".to_owned() }) { (cell) }
                     }
                 }
             }
@@ -162,7 +162,7 @@ impl Exhibit {
             section id=(self.name) {
                 h2 { (self.name) ": " (self.title) }
                 p { strong { (self.summary()) } }
-                figure { (PreEscaped(self.figure.svg_with_id(self.name))) }
+                figure { (PreEscaped(self.figure.html_with_id(&format!("{}-picture", self.name)))) }
                 @for finding in &self.findings { p { (finding) } }
                 div.wide { table {
                     thead { tr { @for h in HEADER { th scope="col" { (h) } } } }

@@ -15,6 +15,8 @@ pub(super) const MARGIN: f64 = 16.0;
 const GAP: f64 = 30.0;
 /// Plots narrower than this are not drawn; the figure gets fewer columns instead.
 const NARROWEST: f64 = 130.0;
+/// Width of a telephone, without the margins of a page.
+const NARROW: f64 = 358.0;
 
 /// An id prefix from the content (FNV-1a), so that different pictures have different prefixes.
 pub(super) fn default_id(figure: &impl Debug) -> String {
@@ -32,17 +34,26 @@ pub(super) fn compose(figure: &Figure, id: &str) -> Canvas {
     while grid.columns > 1 && grid.plot_widths().any(|w| w < NARROWEST) {
         grid = Grid::new(&figure.panels, grid.columns - 1);
     }
-    let mut canvas = Canvas::new(id, grid.width);
-    let inner = grid.width - 2.0 * MARGIN;
-    let marked = figure.panels.iter().any(several_lines);
-    let shared = shared_legend(&figure.panels);
+    draw(figure, id, grid, shared_legend(&figure.panels).as_deref())
+}
 
-    let mut y = MARGIN;
-    let title = canvas.lines(&TITLE, MARGIN, y, &wrap(&figure.title, TITLE.size, true, inner));
+/// Draws the figure in one column, as wide as a telephone; each panel has its own legend.
+pub(super) fn compose_narrow(figure: &Figure, id: &str) -> Canvas {
+    draw(figure, id, Grid::narrow(&figure.panels), None)
+}
+
+fn draw(figure: &Figure, id: &str, grid: Grid, shared: Option<&[Entry]>) -> Canvas {
+    let margin = grid.margin;
+    let mut canvas = Canvas::new(id, grid.width);
+    let inner = grid.width - 2.0 * margin;
+    let marked = figure.panels.iter().any(several_lines);
+
+    let mut y = margin;
+    let title = canvas.lines(&TITLE, margin, y, &wrap(&figure.title, TITLE.size, true, inner));
     y += title + if title > 0.0 { 8.0 } else { 0.0 };
-    if let Some(entries) = &shared {
+    if let Some(entries) = shared {
         let legend = Legend::flow(entries, inner);
-        legend.draw(&mut canvas, MARGIN, y, marked);
+        legend.draw(&mut canvas, margin, y, marked);
         y += legend.height + if legend.height > 0.0 { 12.0 } else { 0.0 };
     }
     let (columns, frames, height) = (grid.columns, grid.frames(), grid.plot_height);
@@ -64,7 +75,7 @@ pub(super) fn compose(figure: &Figure, id: &str) -> Canvas {
         }
         y += header + height + footer + GAP - 8.0;
     }
-    canvas.height = if figure.panels.is_empty() { y + MARGIN } else { y - GAP + 8.0 + MARGIN };
+    canvas.height = if figure.panels.is_empty() { y + margin } else { y - GAP + 8.0 + margin };
     canvas
 }
 
@@ -87,6 +98,7 @@ fn several_lines(panel: &Panel) -> bool {
 struct Grid {
     columns: usize,
     width: f64,
+    margin: f64,
     plot_height: f64,
     sides: Vec<Sides>,
     /// Room for the tick labels on both sides of each column.
@@ -100,6 +112,18 @@ impl Grid {
             2 => 260.0,
             _ => 210.0,
         };
+        Self::of(panels, columns, if columns == 1 { 880.0 } else { 1200.0 }, 16.0, plot_height)
+    }
+
+    /// One column, wider than a telephone only where the labels leave no room for a plot.
+    fn narrow(panels: &[Panel]) -> Self {
+        let mut grid = Self::of(panels, 1, NARROW, 6.0, 240.0);
+        let missing = grid.plot_widths().map(|w| NARROWEST - w).fold(0.0, f64::max);
+        grid.width += missing;
+        grid
+    }
+
+    fn of(panels: &[Panel], columns: usize, width: f64, margin: f64, plot_height: f64) -> Self {
         let sides: Vec<Sides> = panels.iter().map(|p| Sides::new(p, plot_height)).collect();
         let mut rooms = vec![(0.0_f64, 0.0_f64); columns];
         for row in sides.chunks(columns) {
@@ -107,11 +131,11 @@ impl Grid {
                 *room = (room.0.max(side.room.0), room.1.max(side.room.1));
             }
         }
-        Self { columns, width: if columns == 1 { 880.0 } else { 1200.0 }, plot_height, sides, rooms }
+        Self { columns, width, margin, plot_height, sides, rooms }
     }
 
     fn panel_width(&self) -> f64 {
-        (self.width - 2.0 * MARGIN - (self.columns - 1) as f64 * GAP) / self.columns as f64
+        (self.width - 2.0 * self.margin - (self.columns - 1) as f64 * GAP) / self.columns as f64
     }
 
     fn plot_widths(&self) -> impl Iterator<Item = f64> {
@@ -121,7 +145,7 @@ impl Grid {
     fn frames(&self) -> Vec<Frame> {
         let width = self.panel_width();
         let frame = |(i, (left, right)): (usize, &(f64, f64))| {
-            let x = MARGIN + i as f64 * (width + GAP);
+            let x = self.margin + i as f64 * (width + GAP);
             Frame { x, width, plot_x: x + left, plot_width: width - left - right }
         };
         self.rooms.iter().enumerate().map(frame).collect()

@@ -63,7 +63,38 @@ impl Figure {
     pub fn svg_with_id(&self, id: &str) -> String {
         figure::compose(self, id).finish(&self.title, &self.description)
     }
+
+    /// The picture for a page: the whole one for wide screens, and for narrow ones and for paper its panels one by one,
+    /// at a size at which their texts can still be read. [`PAGE_STYLE`] shows the one that fits.
+    #[must_use]
+    pub fn html_with_id(&self, id: &str) -> String {
+        let whole = figure::compose(self, id);
+        let few = if whole.width < 1000.0 { " few" } else { "" };
+        let mut html = format!("<div class=\"whole{few}\">{}</div>", whole.finish(&self.title, &self.description));
+        html.push_str(&format!("<div class=\"panels{few}\">"));
+        if !self.title.is_empty() {
+            html.push_str(&format!("<p><strong>{}</strong></p>", svg::escape(&self.title)));
+        }
+        for (k, panel) in self.panels.iter().enumerate() {
+            let title =
+                [self.title.as_str(), panel.title.as_str()].join(if panel.title.is_empty() { "" } else { ": " });
+            let own = Self { panels: vec![panel.clone()], ..Self::default() };
+            let drawn = figure::compose_narrow(&own, &format!("{id}-{k}")).finish(&title, &self.description);
+            html.push_str(&format!("<div>{drawn}</div>"));
+        }
+        html.push_str("</div>");
+        html
+    }
 }
+
+/// What a page with pictures of [`Figure::html_with_id`] needs in its style. The widths are those from which on the texts
+/// of a picture, which shrinks with the page, have nine pixels or more.
+pub const PAGE_STYLE: &str = "\
+.whole{display:none}.panels{display:flex;flex-wrap:wrap;gap:.5rem 1rem}.panels>p{flex:1 0 100%;margin:0}
+.panels>div{flex:1 1 320px;max-width:540px}.panels svg{width:100%}
+@media(min-width:44rem){.whole.few{display:block}.panels.few{display:none}}
+@media(min-width:60rem){.whole{display:block}.panels{display:none}}
+";
 
 /// One coordinate system with its series.
 #[derive(Clone, Debug, Default, PartialEq)]

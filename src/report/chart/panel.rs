@@ -119,7 +119,7 @@ impl<'a> Layout<'a> {
         self.grid(canvas, &plot);
         self.marks(canvas, &plot, marked);
         canvas.path("axis", &self.frame_lines(&plot), None);
-        rules::draw(canvas, &plot, &self.panel.rules);
+        rules::draw(canvas, &plot, &self.panel.rules, &self.markers(&plot));
         if self.empty {
             canvas.text(&TICK, plot_x + plot_width / 2.0, plot_y + height / 2.0, "no data");
         }
@@ -179,6 +179,22 @@ impl<'a> Layout<'a> {
                 canvas.raw("</g>\n");
             }
         }
+    }
+
+    /// The places of the markers of data, and of the upper edges of bars.
+    fn markers(&self, plot: &Plot<'_>) -> Vec<(f64, f64)> {
+        let places = |s: &Series| {
+            let y = if on_right(self.panel, s) { self.sides.right.as_ref() } else { None };
+            let plot = Plot { y: y.unwrap_or(plot.y), ..*plot };
+            let across: &[f64] = match s.shape {
+                Shape::Bars { width } => &[-0.5 * width, 0.0, 0.5 * width],
+                Shape::Dots | Shape::LineWithDots | Shape::ErrorBars { .. } | Shape::Bubbles { .. } => &[0.0],
+                Shape::Line | Shape::Dashed | Shape::Band { .. } | Shape::Cells { .. } => &[],
+            };
+            let of = |[x, y]: &[f64; 2]| across.iter().map(|d| (plot.px(x + d), plot.py(*y))).collect::<Vec<_>>();
+            s.points.iter().flat_map(of).collect::<Vec<_>>()
+        };
+        self.panel.series.iter().flat_map(places).collect()
     }
 
     /// The axes with their tick marks, and the zero line of bars.

@@ -7,10 +7,12 @@ use super::svg::{Anchor, Canvas, Font, TextBox, num};
 
 const FONT: Font = Font::new(12.0, "h", Anchor::Start);
 const AWAY: f64 = 5.0;
+/// Half the size of a marker, and a little.
+const MARKER: f64 = 5.0;
 
-/// Draws the lines and then their labels, each at the first place that is inside the plot and free. A label without
-/// a place (among very many lines) remains as the tooltip of its line.
-pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule]) {
+/// Draws the lines and then their labels, each at the first of the places inside the plot that are free and hide the
+/// fewest markers. A label without a place (among very many lines) remains as the tooltip of its line.
+pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule], markers: &[(f64, f64)]) {
     let shown = |r: &&Rule| if r.horizontal { plot.y.contains(r.at) } else { plot.x.contains(r.at) };
     for rule in rules.iter().filter(shown) {
         let d = if rule.horizontal {
@@ -36,7 +38,13 @@ pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule]) {
                 && own.y1 <= plot.top + plot.height - 1.0;
             inside && !taken.iter().any(|t| t.overlaps(&own))
         };
-        if let Some((x, y)) = places(plot, rule, &text).into_iter().find(free) {
+        let hidden = |(x, y): &(f64, f64)| {
+            let own = TextBox::of(&FONT, *x, *y, &text);
+            let (across, along) = (own.x0 - MARKER..own.x1 + MARKER, own.y0 - MARKER..own.y1 + MARKER);
+            markers.iter().filter(|(u, v)| across.contains(u) && along.contains(v)).count()
+        };
+        let open = places(plot, rule, &text).into_iter().filter(free);
+        if let Some((x, y)) = open.min_by_key(hidden) {
             canvas.text(&FONT, x, y, &text);
             taken.push(TextBox::of(&FONT, x, y, &text));
         }

@@ -60,7 +60,9 @@ fn check_numbers(text: &str) {
 fn check(figure: &Figure, id: &str) {
     let text = figure.svg_with_id(id);
     assert_eq!(text, figure.svg_with_id(id));
+    check_xml(&format!("<figure>{}</figure>", figure.html_with_id(id)));
     check_picture(&figure::compose(figure, id), &text, figure);
+    check_picture(&figure::compose_narrow(figure, id), &text, figure);
 }
 
 /// Checks the markup of a picture, and that its texts lie inside and not over each other.

@@ -97,10 +97,18 @@ fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
 }
 
 fn convergence(c: &Calibration) -> Figure {
-    let costs = c.identification.history.iter().enumerate().map(|(k, h)| [k as f64 + 1.0, h.cost]).collect();
-    let steps = c.identification.history.iter().enumerate().map(|(k, h)| [k as f64 + 1.0, 1e3 * h.step]).collect();
+    let history = &c.identification.history;
+    // A linear axis would have ticks between few iterations.
+    let few = history.len() <= 12;
+    let (x, first) = if few {
+        (Axis::named("iteration", (1..=history.len()).map(|k| k.to_string()).collect()), 0.0)
+    } else {
+        (Axis::linear("iteration"), 1.0)
+    };
+    let costs = history.iter().enumerate().map(|(k, h)| [k as f64 + first, h.cost]).collect();
+    let steps = history.iter().enumerate().map(|(k, h)| [k as f64 + first, 1e3 * h.step]).collect();
     let panel = |label: &str, points: Vec<[f64; 2]>| Panel {
-        x: Axis::linear("iteration"),
+        x: x.clone(),
         y: Axis::log(label),
         series: vec![Series::new("", 0, Shape::LineWithDots, points)],
         ..Panel::default()

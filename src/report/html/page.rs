@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::report::chart::{Figure, Scene};
+use crate::report::chart::{Figure, PAGE_STYLE, Scene};
 
 /// The style of all pages: light and dark, narrow and wide, screen and paper.
 const STYLE: &str = "\
@@ -11,16 +11,23 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;overflow-wrap:normal}
 th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
-td{white-space:nowrap}td.long{white-space:normal;text-align:left;min-width:14rem}
-th[scope=row],th:first-child,td:first-child{text-align:left;font-weight:normal}
+th[scope=row]{font-weight:normal}th:first-child,td:first-child,.words{text-align:left}.number{white-space:nowrap}
 small{display:block;color:var(--dim)}
 .held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
-.numbers{display:flex;flex-wrap:wrap;gap:.8rem;padding:0;margin:1rem 0}
+dl.numbers{display:flex;flex-wrap:wrap;gap:.8rem;padding:0;margin:1rem 0}
 .numbers div{border:1px solid var(--line);border-radius:.4rem;padding:.5rem .9rem;min-width:9rem}
 .numbers dt{color:var(--dim);font-size:.875rem}.numbers dd{margin:0;font-size:1.25rem;font-variant-numeric:tabular-nums}
 .verdict{font-size:1.25rem;font-weight:bold;border-left:.4rem solid;padding-left:.8rem}
+dt{color:var(--dim)}dd{margin:0 0 .5rem}
+@media(max-width:44rem){table{font-size:.875rem}th,td{padding:.3rem .4rem}th:first-child,td:first-child{padding-left:0}}
+@media(min-width:44rem){dl{display:grid;grid-template-columns:fit-content(50%) 1fr;gap:.3rem 1.4rem}dd{margin:0}}
 .wide{overflow-x:auto}pre{overflow-x:auto;font-size:.85rem}figure{margin:1rem 0}svg{max-width:100%;height:auto}
-@media print{body{font-size:10px}section,figure{break-inside:avoid-page}}";
+";
+
+/// On paper nothing scrolls, and pictures and rows stay whole.
+const PAPER: &str = "\
+@media print{:root{font-size:11px}body{font-size:1rem;padding:0}.wide{overflow:visible}pre{white-space:pre-wrap;overflow:visible}
+figure,pre,tr,.verdict{break-inside:avoid}h2{break-after:avoid}}";
 
 /// How good the news is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,18 +100,29 @@ impl Part {
         match self {
             Self::Text(text) => html! { p { (text) } },
             Self::Lines(lines) => html! { pre { (lines) } },
-            Self::Table(header, rows) => html! {
-                div.wide { table {
-                    thead { tr { @for h in header { th scope="col" { (h) } } } }
-                    tbody { @for row in rows { tr { @for cell in row {
-                        td class=[is_long(cell).then_some("long")] { (cell) }
-                    } } } }
-                } }
-            },
-            Self::Picture(figure) => html! { figure { (PreEscaped(figure.svg_with_id(id))) } },
-            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.svg_with_id(id))) } },
+            Self::Table(header, rows) => {
+                let class = |k: usize| if of_words(rows, k) { "words" } else { "number" };
+                html! {
+                    div.wide { table {
+                        thead { tr { @for (k, h) in header.iter().enumerate() {
+                            th scope="col" class=[of_words(rows, k).then_some("words")] { (h) }
+                        } } }
+                        tbody { @for row in rows { tr {
+                            @for (k, cell) in row.iter().enumerate() { td class=(class(k)) { (cell) } }
+                        } } }
+                    } }
+                }
+            }
+            Self::Picture(figure) => html! { figure { (PreEscaped(figure.html_with_id(id))) } },
+            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.html_with_id(id))) } },
         }
     }
+}
+
+/// Whether a column holds words and not numbers: words begin at the left and may wrap.
+fn of_words(rows: &[Vec<String>], column: usize) -> bool {
+    let mut cells = rows.iter().filter_map(|row| row.get(column)?.chars().next());
+    cells.all(char::is_alphabetic)
 }
 
 impl Page {
@@ -132,22 +150,14 @@ impl Page {
             }
             section id="settings" {
                 h2 { "What repeats it" }
-                div.wide { table { tbody {
-                    @for (name, value) in &self.settings { tr { th scope="row" { (name) } td { (value) } } }
-                    tr { th scope="row" { "paracal" } td { (env!("CARGO_PKG_VERSION")) } }
-                } } }
+                dl {
+                    @for (name, value) in &self.settings { dt { (name) } dd { (value) } }
+                    dt { "paracal" } dd { (env!("CARGO_PKG_VERSION")) }
+                }
             }
         };
         shell(&self.title, &body)
     }
-}
-
-/// Characters beyond which a cell wraps and is read from the left.
-const LONG: usize = 24;
-
-/// True for a cell of words and not of one number.
-fn is_long(cell: &str) -> bool {
-    cell.chars().count() > LONG
 }
 
 /// A document around a body, in the style of all pages.
@@ -159,7 +169,7 @@ pub(crate) fn shell(title: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(PAGE_STYLE)) (PreEscaped(PAPER)) }
             }
             body { (body) }
         }

@@ -14,19 +14,20 @@ use crate::report::chart::legend::{Entry, Legend, Look};
 use crate::report::chart::number::{significant, wrap};
 use crate::report::chart::svg::{Anchor, Canvas, DARK, Extra, Font, GROUND, INK, LIGHT};
 
-const WIDTH: f64 = 720.0;
-/// Height of the drawing alone, at most.
-const TALLEST: f64 = 440.0;
+/// Width of the picture and greatest height of the drawing alone.
+pub(super) const WHOLE: [f64; 2] = [720.0, 440.0];
+/// The same as wide as a telephone.
+pub(super) const NARROW: [f64; 2] = [358.0, 300.0];
 /// Room around the drawing for the labels.
 const PAD: f64 = 18.0;
 const REMARK: Font = Font::new(12.5, "m", Anchor::Start);
 /// How much of the background is in the colour of the farthest things.
 pub(super) const MIST: f64 = 0.42;
 
-/// Draws the scene.
-pub(super) fn compose(scene: &Scene, id: &str) -> Canvas {
-    let mut canvas = Canvas::new(id, WIDTH);
-    let inner = WIDTH - 2.0 * MARGIN;
+/// Draws the scene in this size.
+pub(super) fn compose(scene: &Scene, id: &str, [width, tallest]: [f64; 2]) -> Canvas {
+    let mut canvas = Canvas::new(id, width);
+    let inner = width - 2.0 * MARGIN;
 
     let mut y = MARGIN;
     let title = canvas.lines(&TITLE, MARGIN, y, &wrap(&scene.title, TITLE.size, true, inner));
@@ -35,7 +36,7 @@ pub(super) fn compose(scene: &Scene, id: &str) -> Canvas {
     legend.draw(&mut canvas, MARGIN, y, false);
     y += legend.height;
 
-    let stage = Stage::new(scene, [0.0, y], [WIDTH, TALLEST], PAD);
+    let stage = Stage::new(scene, [0.0, y], [width, tallest], PAD);
     let grid: String =
         stage.ground.lines().iter().filter_map(|[a, b]| Some(path(&[stage.see(a)?, stage.see(b)?], false))).collect();
     canvas.path("grid", &grid, None);

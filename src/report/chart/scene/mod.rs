@@ -62,7 +62,19 @@ impl Scene {
     /// Characters of the prefix that are not allowed in a style sheet are replaced by `-`.
     #[must_use]
     pub fn svg_with_id(&self, id: &str) -> String {
-        layout::compose(self, id).finish(&self.title, &self.description)
+        layout::compose(self, id, layout::WHOLE).finish(&self.title, &self.description)
+    }
+
+    /// The picture for a page, once for wide screens and once for narrow ones and for paper;
+    /// [`PAGE_STYLE`](super::PAGE_STYLE) shows the one that fits.
+    #[must_use]
+    pub fn html_with_id(&self, id: &str) -> String {
+        let narrow = layout::compose(self, &format!("{id}-narrow"), layout::NARROW);
+        format!(
+            "<div class=\"whole few\">{}</div><div class=\"panels few\"><div>{}</div></div>",
+            self.svg_with_id(id),
+            narrow.finish(&self.title, &self.description)
+        )
     }
 }
 

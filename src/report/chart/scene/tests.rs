@@ -55,8 +55,10 @@ fn hexapod(poses: usize) -> Scene {
 fn check(scene: &Scene) -> String {
     let text = scene.svg_with_id("s");
     assert_eq!(text, scene.svg_with_id("s"));
-    let canvas = layout::compose(scene, "s");
+    let canvas = layout::compose(scene, "s", layout::WHOLE);
     check_picture(&canvas, &text, scene);
+    let narrow = layout::compose(scene, "s", layout::NARROW);
+    check_picture(&narrow, &narrow.finish("", ""), scene);
     for [x, y] in places(&text) {
         assert!((0.0..=canvas.width).contains(&x) && (0.0..=canvas.height).contains(&y), "{x} {y}: {scene:?}");
     }
@@ -166,7 +168,7 @@ fn a_hundred_poses_are_small() {
 
 #[test]
 fn names_are_in_the_legend_once() {
-    let canvas = layout::compose(&hexapod(20), "x");
+    let canvas = layout::compose(&hexapod(20), "x", layout::WHOLE);
     for name in ["base", "platform", "leg", "error", "chosen poses"] {
         // The label of the frame is another text.
         let wanted = if name == "base" { 2 } else { 1 };
@@ -182,7 +184,8 @@ fn labels_without_a_place_remain_in_the_tooltip() {
     let legs = (0..90).map(|i| leg(&format!("number {i}"), [0.0; 3], [0.0, 0.0, 1.0])).collect();
     let scene = Scene { legs, unit: ("mm", 1e-3), ..Scene::default() };
     let text = check(&scene);
-    let shown = layout::compose(&scene, "s").boxes.iter().filter(|b| b.text.starts_with("number")).count();
+    let shown =
+        layout::compose(&scene, "s", layout::WHOLE).boxes.iter().filter(|b| b.text.starts_with("number")).count();
     assert!((1..60).contains(&shown), "{shown}");
     assert!(text.contains("<title>leg number 89: 1000 mm long</title>"));
 }
