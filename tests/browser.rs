@@ -39,9 +39,9 @@ const PAGES: [(&str, &[&str]); 10] = [
     ("diagnose", &["diagnose mechanisms/table5-telescope.toml examples/data/hardpoint-two-causes.csv"]),
     ("diagnose-plain", &["diagnose mechanisms/table5.toml examples/data/hardpoint-noisy.csv"]),
     ("evaluate", &["evaluate mechanisms/table5.toml examples/data/hardpoint-targets.csv"]),
-    ("select", &["select mechanisms/table5.toml -n 20 --candidates 200 --table -o {out}/table.csv"]),
+    ("select", &["select mechanisms/table5.toml -n 20 --candidates 100 --selector detmax --table -o {out}/table.csv"]),
     ("select-delta", &["select mechanisms/linear-delta.toml -n 10 --candidates 200 -o {out}/delta.csv"]),
-    ("reproduce", &["reproduce figure8 --out {out}/paper --draws 5 --lists 1 --candidates 50"]),
+    ("reproduce", &["reproduce figure8 --out {out}/paper --draws 40 --lists 3 --candidates 200"]),
     ("evaluate-bad", &["evaluate mechanisms/table5.toml examples/data/hardpoint-two-causes.csv"]),
 ];
 

@@ -1,9 +1,9 @@
 //! Deviations of readings from a model, against joints that were really moved.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
 use paracal::conditions::Conditions;
-use paracal::files::Machine;
 use paracal::identification::deviations;
 use paracal::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::pose::{Pose, PoseConvention};
@@ -16,14 +16,14 @@ fn data(joints: &[Vec<f64>], poses: &[Pose], measured: [bool; 6]) -> Dataset {
     let sample =
         |(row, joints): (usize, &Vec<f64>)| Sample { id: None, row, joints: joints.clone(), ..Sample::default() };
     let model = PoseMeasurement::new(convention, poses.iter().map(reading).collect());
-    let noise = Noise { position: 1e-6, rotation: 1e-6, ..Noise::default() };
+    let noise = Noise::stated(1e-6, 1e-6);
     Dataset::new(joints.iter().enumerate().map(sample).collect(), Arc::new(model), noise)
 }
 
 #[test]
 fn a_leg_that_is_longer_than_commanded_is_seen_at_this_leg_alone() {
-    for file in ["mechanisms/table5.toml", "mechanisms/rotary-stewart.toml"] {
-        let machine = Machine::read(common::path(file).as_ref()).unwrap();
+    for file in ["table5", "rotary-stewart"] {
+        let machine = common::machine(file);
         let m = machine.mechanism.as_ref();
         let at = Conditions::unknown();
         let commanded = m.inverse(m.values(), &m.home(), &at).unwrap();
@@ -45,7 +45,7 @@ fn a_leg_that_is_longer_than_commanded_is_seen_at_this_leg_alone() {
 
 #[test]
 fn what_was_not_measured_is_taken_as_not_moved() {
-    let machine = Machine::read(common::path("mechanisms/table5.toml").as_ref()).unwrap();
+    let machine = common::machine("table5");
     let m = machine.mechanism.as_ref();
     let joints = m.inverse(m.values(), &m.home(), &Conditions::unknown()).unwrap();
     let moved = m.home().moved(&[1e-5, 2e-5, -3e-5, 1e-5, 2e-5, 3e-5].into());

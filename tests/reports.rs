@@ -99,8 +99,8 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
 
 #[test]
 fn a_creeping_leg_is_seen_in_its_strip_and_gone_with_its_cause() {
-    let machine = common::machine("mechanisms/table5-telescope.toml");
-    let measurement = common::data("examples/data/hardpoint-two-causes.csv", &machine);
+    let machine = common::machine("table5-telescope");
+    let measurement = common::data("hardpoint-two-causes", &machine);
     let found = diagnose(&Question::of(&machine, &measurement.data)).unwrap();
     let creep = found.causes.iter().find(|c| c.effect == "drift.leg").unwrap();
     assert_eq!(creep.leg, Some(0));
@@ -115,7 +115,8 @@ fn a_creeping_leg_is_seen_in_its_strip_and_gone_with_its_cause() {
     let (before, after) = (slope(|r| &r.before), slope(|r| &r.after));
     let whole = creep.parameters[0].value;
     assert!((before / whole - 1.0).abs() < 0.15, "{before:e} of {whole:e}");
-    assert!((after / whole).abs() < 0.05, "{after:e} of {whole:e}");
+    // The slope of the noise alone has a sigma of 6 % of the creep.
+    assert!((after / whole).abs() < 0.2, "{after:e} of {whole:e}");
 }
 
 #[test]
@@ -141,11 +142,21 @@ fn a_choice_is_shown_with_its_bound_and_the_poses() {
 fn an_exhibit_of_the_paper_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("paper");
-    let call =
-        ["reproduce", "figure8", "--out", out.to_str().unwrap(), "--draws", "5", "--lists", "1", "--candidates", "50"];
+    let call = [
+        "reproduce",
+        "figure8",
+        "--out",
+        out.to_str().unwrap(),
+        "--draws",
+        "40",
+        "--lists",
+        "3",
+        "--candidates",
+        "200",
+    ];
     let (page, _) = report(&call, folder.path());
     whole(&page);
-    assert!(page.contains("figure8: ") && page.contains("5 noise draws"));
+    assert!(page.contains("figure8: ") && page.contains("40 noise draws"));
 }
 
 #[test]
@@ -160,7 +171,7 @@ fn what_repeats_a_page_holds_the_hash_of_each_input_and_the_seed() {
     let (page, _) = report(&call, folder.path());
     for shown in [
         "0563701c3823dd26331ccde41be664346a73e39dc298708e1bad56168759eb9a",
-        "<th scope=\"row\">seed</th><td>7</td>",
+        "<dt>seed</dt><dd>7</dd>",
         "it'\\''s measured.csv",
     ] {
         assert!(page.contains(shown), "{shown}");
