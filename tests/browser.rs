@@ -17,6 +17,8 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 use devtools::Browser;
+use paracal::reproduction::{self, Exhibit, Lab, Settings, reproduce};
+use paracal::simulation::Journal;
 use view::{VIEWS, View};
 
 const LARGEST: u64 = 1_500_000;
@@ -62,6 +64,18 @@ fn make(name: &str, calls: &[&str], out: &Path) -> PathBuf {
     page
 }
 
+/// The page of the reproduction, with the exhibits that are quick without optimisation.
+fn paper(out: &Path) -> PathBuf {
+    let settings = Settings { draws: 40, candidates: 200, lists: 3, seed: 0 };
+    let journal = Journal::in_memory();
+    let lab = Lab::new(settings, &journal, &|_| {}).unwrap();
+    let names = ["figure6", "figure7", "figure8", "table8", "figure9"];
+    let exhibits: Vec<Exhibit> = names.iter().map(|name| reproduce(name, &lab).unwrap()).collect();
+    let path = out.join("exhibits.html");
+    std::fs::write(&path, reproduction::page(&exhibits, &settings)).unwrap();
+    path
+}
+
 /// Pages that were made by others.
 fn further() -> Vec<PathBuf> {
     let Some(folder) = std::env::var_os("PARACAL_PAGES").filter(|f| !f.is_empty()) else { return Vec::new() };
@@ -77,7 +91,7 @@ fn pages_are_whole_and_legible_in_every_view() {
     let Some(program) = devtools::find() else { return };
     let folder = tempfile::tempdir().unwrap();
     let made = PAGES.iter().map(|(name, calls)| make(name, calls, folder.path()));
-    let pages: Vec<PathBuf> = made.chain(further()).collect();
+    let pages: Vec<PathBuf> = made.chain([paper(folder.path())]).chain(further()).collect();
     let pictures = std::env::var_os("PARACAL_SCREENSHOTS").filter(|f| !f.is_empty()).map(PathBuf::from);
     let mut browser = Browser::start(&program);
     let mut faults = Vec::new();

@@ -11,7 +11,7 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;overflow-wrap:normal}
 th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
-th[scope=row]{font-weight:normal}th:first-child,td:first-child,.words{text-align:left}.number{white-space:nowrap}
+th[scope=row]{font-weight:normal;min-width:10rem}th:first-child,td:first-child,.words{text-align:left}.number{white-space:nowrap}
 small{display:block;color:var(--dim)}
 .held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
 dl.numbers{display:flex;flex-wrap:wrap;gap:.8rem;padding:0;margin:1rem 0}
@@ -27,7 +27,7 @@ dt{color:var(--dim)}dd{margin:0 0 .5rem}
 /// On paper nothing scrolls, and pictures and rows stay whole.
 const PAPER: &str = "\
 @media print{:root{font-size:11px}body{font-size:1rem;padding:0}.wide{overflow:visible}pre{white-space:pre-wrap;overflow:visible}
-figure,pre,tr,.verdict{break-inside:avoid}h2{break-after:avoid}}";
+figure,pre,tr,.verdict{break-inside:avoid}h2,h2+p{break-after:avoid}}";
 
 /// How good the news is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
