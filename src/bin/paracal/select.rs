@@ -47,13 +47,13 @@ pub(crate) struct Args {
     /// How poses are chosen.
     #[arg(long, default_value = "exchange", value_parser = clap::builder::PossibleValuesParser::new(SELECTORS))]
     selector: String,
-    /// Number of random poses to choose from, or a list of poses.
+    /// Number of random poses to choose from, or a list of the poses that can be measured.
     #[arg(long, value_name = "N|FILE", default_value = "2000")]
     candidates: String,
     /// Leave out the corners and the grid of the workspace (exchange).
     #[arg(long)]
     no_corners: bool,
-    /// Do not move poses off the candidates (exchange).
+    /// Do not move poses off random candidates (exchange); those of a list are never moved.
     #[arg(long)]
     no_polish: bool,
     /// Units of the index; whitened where noise and tolerance are stated, else paper.
@@ -263,10 +263,15 @@ fn short(cause: &SelectionError) -> String {
     }
 }
 
+/// Whether poses may move off the candidates. A list says which poses can be measured, and no other may be.
+fn polishes(args: &Args) -> bool {
+    !args.no_polish && args.candidates.parse::<usize>().is_ok()
+}
+
 fn chosen_selector(args: &Args) -> Box<dyn PoseSelector> {
     match args.selector.as_str() {
         "tabu-detmax" => Box::new(TabuDetmax { length: args.tabu, iterations: args.iterations }),
-        "exchange" => Box::new(Exchange { polish: !args.no_polish, ..Exchange::default() }),
+        "exchange" => Box::new(Exchange { polish: polishes(args), ..Exchange::default() }),
         // The names were checked when the arguments were read.
         name => selector(name).unwrap_or_else(|| Box::new(Exchange::default())),
     }
@@ -275,7 +280,7 @@ fn chosen_selector(args: &Args) -> Box<dyn PoseSelector> {
 /// For many numbers of poses: an exchange with fewer starts, any other selector as it is.
 fn quicker(args: &Args) -> Box<dyn PoseSelector> {
     match args.selector.as_str() {
-        "exchange" => Box::new(Exchange { starts: 3, rounds: 0, polish: !args.no_polish }),
+        "exchange" => Box::new(Exchange { starts: 3, rounds: 0, polish: polishes(args) }),
         _ => chosen_selector(args),
     }
 }

@@ -5,16 +5,17 @@ use super::pictures::{Displacements, Layer, Seen, by_row, correlation, deviation
 use super::{Measured, Subject};
 use crate::identification::Calibration;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::report::text;
 use crate::units::{show_angle, show_length};
 
 /// Rows beyond this many robust σ of a leg look like gross errors.
 const GROSS: f64 = 8.0;
 
-/// A calibration. `text` is what the command prints; `measured` holds the data through the calibrated mechanism, then
+/// A calibration. `printed` is what the command prints; `measured` holds the data through the calibrated mechanism, then
 /// through the one that was given.
-pub fn calibration(c: &Calibration, text: &str, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
+pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
     let found = &c.identification;
-    let summary = text.lines().last().unwrap_or_default();
+    let summary = printed.lines().last().unwrap_or_default();
     let (verdict, tone) = match (c.verdict.trusted, c.verdict.warnings.is_empty()) {
         (true, true) => ("The result can be trusted", Tone::Good),
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
@@ -54,13 +55,17 @@ pub fn calibration(c: &Calibration, text: &str, subject: &Subject<'_>, measured:
     parameters.extend(correlation(&found.parameters, &found.correlation()).map(Part::picture));
     sections.push(Section { id: "parameters", title: "Parameters", parts: parameters });
     sections.push(Section { id: "convergence", title: "Convergence", parts: vec![Part::picture(convergence(c))] });
-    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text.to_owned())] });
+    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(printed.to_owned())] });
+    let mut lead: Vec<String> = c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect();
+    if !c.verdict.trusted {
+        lead.push(format!("What to do: {}", text::WHAT_IS_WRONG));
+    }
     Page {
         title: format!("{}: calibration", c.mechanism.name()),
         verdict: format!("{verdict}. {summary}"),
         tone,
         numbers: numbers(c),
-        lead: c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect(),
+        lead,
         sections,
         settings: subject.settings.clone(),
     }

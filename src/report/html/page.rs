@@ -139,7 +139,7 @@ impl Page {
             @if !self.numbers.is_empty() {
                 dl.numbers { @for (name, value) in &self.numbers { div { dt { (name) } dd { (value) } } } }
             }
-            @for paragraph in &self.lead { p { (paragraph) } }
+            @for paragraph in &self.lead { p { (sentence(paragraph)) } }
             @for section in &self.sections {
                 section id=(section.id) {
                     h2 { (section.title) }
@@ -158,6 +158,16 @@ impl Page {
         };
         shell(&self.title, &body)
     }
+}
+
+/// A remark as a sentence.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first: String = letters.next().map(|c| c.to_uppercase().collect()).unwrap_or_default();
+    // Names such as `drift.leg` stay as they are.
+    let is_name = text.split([' ', ':']).next().is_some_and(|word| word.contains(['.', '_']));
+    let end = if text.ends_with(['.', '!', '?', ')']) { "" } else { "." };
+    if is_name { format!("{text}{end}") } else { format!("{first}{}{end}", letters.as_str()) }
 }
 
 /// A document around a body, in the style of all pages.

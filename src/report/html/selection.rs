@@ -4,7 +4,7 @@ use super::Subject;
 use super::page::{Page, Part, Section, Tone};
 use super::pictures::{coverage, drawing, how_many, trace};
 use crate::report::text::{self, Selection};
-use crate::units::{show_angle, show_length};
+use crate::units::{show_angle, show_length, three_digits};
 
 /// A choice of poses.
 pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
@@ -13,7 +13,7 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
     let efficiency = r.efficiency.map(|e| format!("{:.2} %", 100.0 * e));
     let numbers = [
         ("poses".to_owned(), Some(r.poses.len().to_string())),
-        (r.index.clone(), Some(format!("{:.4e}", r.value))),
+        (r.index.clone(), Some(three_digits(r.value))),
         ("certified efficiency".into(), efficiency.clone()),
         ("predicted position error, RMS".into(), forecast.map(|e| show_length(e.position_rms))),
         ("predicted angle error, RMS".into(), forecast.map(|e| show_angle(e.rotation_rms))),

@@ -14,6 +14,10 @@ pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settleme
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};
 
+/// What to do with a calibration that must not be trusted.
+pub(in crate::report) const WHAT_IS_WRONG: &str =
+    "run `paracal diagnose` on the same two files: it names what the model or the file gets wrong.";
+
 /// Long lists are cut after this many lines.
 const SHOWN: usize = 6;
 
@@ -182,7 +186,9 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
     }
     text += &match c.verdict.trusted {
         true => "\nThe result can be trusted.\n".to_owned(),
-        false => format!("\nDo not trust this result: {}.\n", c.verdict.reasons.join("; ")),
+        false => {
+            format!("\nDo not trust this result: {}.\nTo find out why, {WHAT_IS_WRONG}\n", c.verdict.reasons.join("; "))
+        }
     };
     text + &result_line(c)
 }

@@ -19,7 +19,7 @@ pub(in crate::report::html) fn trace(r: &Report) -> Figure {
         ..Panel::default()
     };
     Figure {
-        title: "How the choice came about".into(),
+        title: format!("{} over the iterations", r.index),
         description: "Index of the best set after each iteration of the selector, with the certified bound as a line."
             .into(),
         columns: 1,

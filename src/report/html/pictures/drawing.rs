@@ -16,7 +16,7 @@ const AXES: f64 = 0.35;
 
 /// Errors at poses, to be drawn as arrows.
 pub(in crate::report::html) struct Displacements {
-    /// What the arrows are.
+    /// The model that misses.
     name: String,
     /// Pose, and motion of the centre of the platform from where the model says to where it was measured, m.
     errors: Vec<(Pose, Vector3<f64>)>,
@@ -31,7 +31,7 @@ impl Displacements {
             Vector3::new(motion[0], motion[1], motion[2]) + turn.cross(&(pose.place(&centre) - pose.position))
         };
         let errors = seen.deviations.iter().map(|d| (d.pose, error(&d.pose, &d.motion))).collect();
-        Self { name: format!("error, {}", seen.name), errors }
+        Self { name: seen.name.clone(), errors }
     }
 }
 
@@ -56,15 +56,21 @@ pub(in crate::report::html) fn drawing(
         _ => 1.0,
     };
     if of_poses > 1.0 {
-        notes.push(format!("distances of the poses from home are drawn {} times as large", three_digits(of_poses)));
+        notes.push(format!("Distances of the poses from home are drawn {} times as large.", three_digits(of_poses)));
     }
     let drawn = |pose: &Pose| {
         let motion = home.motion_to(pose);
         home.moved(&(motion * of_poses.min(1.0 / motion.rows(3, 3).norm().max(1e-9))))
     };
     let mut scene = Scene {
-        title: format!("{} at home", mechanism.name()),
-        description: "The legs between base and platform in perspective, with the frames of both.".into(),
+        title: match errors {
+            Some(errors) => format!("Errors in perspective, {}", errors.name),
+            None => format!("{} at home", mechanism.name()),
+        },
+        description:
+            "The legs between base and platform in perspective, with the frames of both, the platform at the poses \
+                      and errors as arrows where there are any."
+                .into(),
         unit: if size < 0.5 { ("mm", 1e-3) } else { ("m", 1.0) },
         outlines: vec![
             outline("base", 6, &ring(&base.iter().map(|(_, p)| *p).collect::<Vec<_>>()), false),
@@ -100,7 +106,7 @@ pub(in crate::report::html) fn drawing(
         if largest > 0.0 {
             let magnified = round_up(0.4 * ARROW * size / largest);
             notes.push(format!(
-                "arrows are {} times as long as the errors, the longest of which is {}",
+                "Arrows are {} times as long as the errors, the longest of which is {}.",
                 three_digits(magnified),
                 show_length(largest)
             ));
@@ -108,7 +114,7 @@ pub(in crate::report::html) fn drawing(
             for (pose, error) in &errors.errors {
                 let from = drawn(pose).place(&centre);
                 scene.arrows.push(Arrow {
-                    name: errors.name.clone(),
+                    name: format!("error, {}", errors.name),
                     colour: 1,
                     from: from.into(),
                     to: (from + magnified * error).into(),
@@ -117,7 +123,7 @@ pub(in crate::report::html) fn drawing(
             }
         }
     }
-    scene.note = notes.join("; ");
+    scene.note = notes.join(" ");
     Some(scene)
 }
 
