@@ -10,6 +10,8 @@ mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
+#[cfg(test)]
+mod mutated_calls;
 mod reproduce;
 mod select;
 mod settle;
@@ -18,6 +20,7 @@ mod urdf_args;
 
 use std::process::ExitCode;
 
+use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use common::{Ui, report_error};
@@ -71,16 +74,16 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let urdf = match cli.urdf.options() {
-        Ok(options) => options,
-        Err(error) => return report_error(&error),
-    };
-    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
-    let done = match &cli.command {
+    run(&cli).unwrap_or_else(|error| report_error(&error))
+}
+
+fn run(cli: &Cli) -> Result<ExitCode> {
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()? };
+    match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),
         Command::Simulate(args) => simulate::run(args, &ui),
@@ -91,9 +94,5 @@ fn main() -> ExitCode {
         Command::Compensate(args) => compensate::run(args, &ui),
         Command::Convert(args) => convert::run(args, &ui),
         Command::Reproduce(args) => reproduce::run(args, &ui),
-    };
-    match done {
-        Ok(code) => code,
-        Err(error) => report_error(&error),
     }
 }
