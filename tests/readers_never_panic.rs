@@ -1,13 +1,33 @@
-//! Whatever a file holds, its reader returns in time, with a value or with an error that names the file.
+//! Whatever a file holds, its reader returns in time, with a value or with an error that names the file; and what is read
+//! goes through the commands.
+//!
+//! Each group of readers (mechanisms, measurements, lists of poses, conditions, parameter errors, journals) gets 20,000
+//! mutated files, and a hundredth of that goes on through the commands.
+//! `PARACAL_MUTATIONS=1000000 cargo test --test readers_never_panic` makes that a million, `PARACAL_SEED=1` makes it others.
 #![allow(clippy::unwrap_used, reason = "the helpers beside the tests prepare the files for them")]
+
+#[path = "common/mutations.rs"]
+mod mutations;
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use paracal::files::{Machine, Measurement, read_measurement, read_parameter_errors, read_poses};
-use paracal::measurement::Frames;
+use mutations::mutations;
+use paracal::conditions::Conditions;
+use paracal::diagnosis::{Question, diagnose, settle};
+use paracal::effect::Compensator;
+use paracal::files::{
+    Machine, Measurement, read_conditions, read_measurement, read_parameter_errors, read_pose_list, read_poses,
+};
+use paracal::identification::{CalibrationOptions, Weights, calibrate, evaluate, identifier};
+use paracal::measurement::{Frames, Noise};
+use paracal::mechanism::Survey;
+use paracal::observability::{O1, Scaling};
+use paracal::report::{html, json, text};
+use paracal::selection::{Aim, Campaign, Candidates, Plan, Sources, prospect, select_among, selector};
+use paracal::simulation::{Command, Journal, JournalError, draw_parameters, simulate_run};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use tempfile::TempDir;
@@ -71,6 +91,16 @@ const POSES: &str = "id,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg,temp_leg1_degC,time_
 
 const ERRORS: &str = "leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm\n1,0.1,0,0,0,0,0,0\n2,0,0.2,0,0,0,0,1e-3\n";
 
+const CONDITIONS: &str = "temp_leg1_degC,temp_platform_degC,elevation_deg,payload_kg,time_s,free\n20,21,30,0,0,1\n\
+                          21.5,20,60,50,10,2\n19,19.5,85,100,20,-3\n";
+
+/// The heading is that of this version.
+const JOURNAL: &str = concat!(
+    "paracal journal of finished units, version ",
+    env!("CARGO_PKG_VERSION"),
+    "\n{\"unit\":\"a\",\"result\":[1.0,2.5e-7]}\n{\"unit\":\"b\",\"result\":[0.1,-3.0,4.0]}\n{\"unit\":\"c\",\"result\":null}\n"
+);
+
 /// One way to spoil a file. Places are taken modulo what there is.
 #[derive(Clone, Debug)]
 enum Damage {
@@ -83,6 +113,7 @@ enum Damage {
     SetByte(Index, u8),
     Insert(Index, Vec<u8>),
     ReplaceNumber(Index, String),
+    Scale(Index, f64),
     ReplaceWord(Index, String),
     CutOff(Index),
     LineEnds(&'static str),
@@ -141,9 +172,23 @@ fn damage() -> impl Strategy<Value = Damage> {
         1 => (at(), any::<u8>()).prop_map(|(a, b)| Damage::SetByte(a, b)),
         1 => (at(), blocks).prop_map(|(a, b)| Damage::Insert(a, b)),
         4 => (at(), select(numbers)).prop_map(|(a, n)| Damage::ReplaceNumber(a, n.into())),
+        2 => wild_number(),
         2 => (at(), select(words)).prop_map(|(a, w)| Damage::ReplaceWord(a, w.into())),
         1 => at().prop_map(Damage::CutOff),
         1 => select(vec!["\r\n", "\r", "\n\n", ""]).prop_map(Damage::LineEnds),
+    ]
+}
+
+/// A number that a file may well hold, far from what makes sense there.
+fn wild_number() -> impl Strategy<Value = Damage> {
+    let values = vec![
+        "0", "-0.0", "1", "-1", "2", "7.3", "-4e2", "1e3", "-1e5", "1e8", "1e18", "1e30", "-1e77", "1e154", "1e155",
+        "-1e200", "1e308", "1e-3", "1e-8", "-1e-15", "1e-30", "1e-160", "1e-308", "5e-324",
+    ];
+    let factors = vec![-1.0, 1e-12, 1e-6, 1e-3, 0.5, 1.0 + 1e-15, 1.001, 2.0, 10.0, 25.4, 57.29, 1e3, 1e6, 1e12];
+    prop_oneof![
+        (any::<Index>(), select(values)).prop_map(|(a, v)| Damage::ReplaceNumber(a, v.into())),
+        (any::<Index>(), select(factors)).prop_map(|(a, f)| Damage::Scale(a, f)),
     ]
 }
 
@@ -166,6 +211,10 @@ fn with_lines(text: &[u8], change: impl FnOnce(&mut Vec<Vec<u8>>)) -> Vec<u8> {
     let mut lines: Vec<Vec<u8>> = text.split(|b| *b == b'\n').map(<[u8]>::to_vec).collect();
     change(&mut lines);
     lines.join(&b'\n')
+}
+
+fn in_number(byte: u8) -> bool {
+    matches!(byte, b'0'..=b'9' | b'.' | b'-')
 }
 
 fn replace_span(mut text: Vec<u8>, at: &Index, belongs: fn(u8) -> bool, with: &str) -> Vec<u8> {
@@ -210,7 +259,15 @@ fn damaged(mut text: Vec<u8>, damage: &Damage) -> Vec<u8> {
             text.splice(at..at, block.iter().copied());
             text
         }
-        Damage::ReplaceNumber(a, with) => replace_span(text, a, |b| matches!(b, b'0'..=b'9' | b'.' | b'-'), with),
+        Damage::ReplaceNumber(a, with) => replace_span(text, a, in_number, with),
+        Damage::Scale(a, factor) => {
+            let spans = spans(&text, in_number);
+            let Some((from, to)) = (!spans.is_empty()).then(|| spans[a.index(spans.len())]) else { return text };
+            let number = std::str::from_utf8(&text[from..to]).ok().and_then(|n| n.parse::<f64>().ok());
+            let scaled = format!("{:?}", number.unwrap_or(1.0) * factor);
+            text.splice(from..to, scaled.bytes());
+            text
+        }
         Damage::ReplaceWord(a, with) => replace_span(text, a, |b| b.is_ascii_alphanumeric(), with),
         Damage::CutOff(a) => {
             text.truncate(a.index(n));
@@ -324,9 +381,9 @@ fn mechanism_texts() -> Vec<&'static str> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(mutations(2))]
 
-    /// What is accepted can also be written and read again.
+    /// What is accepted can also be written and read again, and has finite joints at home.
     #[test]
     fn mechanism_files(text in bad_text(mechanism_texts())) {
         let path = Path::new("bad.toml");
@@ -334,7 +391,10 @@ proptest! {
         match in_time(move || Machine::from_text(&text, path))? {
             Err(error) => check_message(&error, path)?,
             Ok(machine) => {
-                let written = machine.document_of(machine.mechanism.as_ref(), machine.workspace.as_ref(), &[], &Frames::default());
+                let mechanism = machine.mechanism.as_ref();
+                let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
+                prop_assert!(home.as_ref().is_ok_and(|q| q.iter().all(|v| v.is_finite())), "{home:?}");
+                let written = machine.document_of(mechanism, machine.workspace.as_ref(), &[], &Frames::default());
                 let written = written.unwrap().to_text();
                 let again = Machine::from_text(&written, path);
                 prop_assert!(again.is_ok(), "{}\n{written}", again.unwrap_err());
@@ -350,6 +410,10 @@ proptest! {
             check_message(&error, &named)?;
         }
     }
+}
+
+proptest! {
+    #![proptest_config(mutations(1))]
 
     /// What is accepted holds finite lengths, one set for each reading.
     #[test]
@@ -379,6 +443,16 @@ proptest! {
     }
 
     #[test]
+    fn conditions_of_campaigns(text in bad_text(vec![CONDITIONS, POSES, &RICH_DATA])) {
+        let (_folder, path) = file("bad.csv", &text);
+        let named = path.clone();
+        match in_time(move || read_conditions(path, &MACHINE))? {
+            Err(error) => check_message(&error, &named)?,
+            Ok(read) => prop_assert!(read.states.iter().all(|s| s.covariates.values().all(|v| v.is_finite()))),
+        }
+    }
+
+    #[test]
     fn parameter_errors(text in bad_text(vec![ERRORS])) {
         let (_folder, path) = file("bad.csv", &text);
         let named = path.clone();
@@ -386,5 +460,167 @@ proptest! {
             Err(error) => check_message(&error, &named)?,
             Ok(errors) => prop_assert!(errors.iter().all(|e| e.is_finite())),
         }
+    }
+
+    /// What is no journal is left alone; what is one gives a result that was in it, or the work is done.
+    #[test]
+    fn journals(text in bad_text(vec![JOURNAL])) {
+        let (_folder, path) = file("bad.journal", &text);
+        let named = path.clone();
+        let opened = in_time(move || Journal::open(path))?;
+        match opened {
+            Err(error) => {
+                check_message(&error, &named)?;
+                let foreign = matches!(error, JournalError::Foreign { .. });
+                prop_assert!(foreign);
+                prop_assert!(std::fs::read(&named).unwrap() == text);
+            }
+            Ok(journal) => {
+                for unit in ["a", "b", "c", ""] {
+                    let result = journal.unit(unit, || Ok::<_, JournalError>(vec![7.0]));
+                    prop_assert!(result.is_ok());
+                }
+                drop(journal);
+                let again = Journal::open(&named).unwrap();
+                let known = again.unit("c", || Ok::<_, JournalError>(vec![8.0])).unwrap();
+                prop_assert!(known != [8.0], "what was added after the damage is lost");
+            }
+        }
+    }
+}
+
+/// A good text with a few wild numbers, which most readers accept.
+fn wild_text(good: Vec<&'static str>) -> impl Strategy<Value = String> {
+    (select(good), proptest::collection::vec(wild_number(), 0..4)).prop_map(|(good, numbers)| {
+        let spoilt = numbers.iter().fold(good.as_bytes().to_vec(), damaged);
+        String::from_utf8_lossy(&spoilt).into_owned()
+    })
+}
+
+/// Rows of the data that are enough for each kind of mechanism and few enough for thousands of runs.
+fn short(data: &str) -> String {
+    data.lines().take(13).map(|l| format!("{l}\n")).collect()
+}
+
+/// What the commands do with what they have read: `which` of them. The result of each may be an error; its text, its JSON
+/// and its page are made.
+fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> usize {
+    let mechanism = machine.mechanism.as_ref();
+    let page = |html: &str| html.len();
+    let settings = || vec![("call".to_owned(), "paracal".to_owned())];
+    match which {
+        0 => evaluate(mechanism, &[], &data.data).map_or(0, |errors| {
+            let shown = text::evaluation(&errors, mechanism.name()).len() + json::evaluation(&errors).to_string().len();
+            shown + page(&html::evaluation(&errors, mechanism.name(), None, settings()).html())
+        }),
+        1..=4 => {
+            let name = ["levenberg-marquardt", "least-squares", "robust"][which.min(3) - 1];
+            let weights = if which == 2 { Weights::MillimetresAndRadians } else { Weights::Noise };
+            let options =
+                CalibrationOptions { weights, convention: machine.convention, ..CalibrationOptions::default() };
+            let identifier = identifier(name).unwrap();
+            let done = calibrate(mechanism, &data.data, machine.workspace.as_ref(), identifier.as_ref(), &options);
+            done.map_or(0, |found| {
+                let shown = text::calibration(&found, mechanism.name(), &data.data.model().describe(), name);
+                let own = found.identification.own_values();
+                let errors = evaluate(found.mechanism.as_ref(), &own, &data.data);
+                let models: Vec<(&str, _)> = errors.iter().map(|e| ("calibrated", e)).collect();
+                let pages = html::calibration(&found, mechanism.name(), &shown, &models, None, settings());
+                let written = machine.document_of(
+                    found.mechanism.as_ref(),
+                    found.workspace.as_ref(),
+                    &[],
+                    &found.registration.frames,
+                );
+                let written = written.map_or(0, |d| d.to_text().len());
+                written + page(&pages.html()) + json::calibration(&found, name, &[]).to_string().len()
+            })
+        }
+        5 => {
+            let question = Question::of(machine, &data.as_read);
+            diagnose(&question).map_or(0, |found| {
+                let plans = settle(&question, &found);
+                let plans = plans.map_or(0, |plans| {
+                    text::settlement(&found, &plans, "m").len() + json::settlement(&found, &plans).to_string().len()
+                });
+                let shown = text::diagnosis(&found, "m").len() + json::diagnosis(&found).to_string().len();
+                let written = machine.extended_document(&found).map_or(0, |d| d.to_text().len());
+                plans + shown + written + page(&html::diagnosis(&found, "m", settings()).html())
+            })
+        }
+        6 => machine.workspace.as_ref().map_or(0, |w| {
+            let survey = Survey::of(mechanism, w, &[mechanism.home()]);
+            let noise = machine.noise.unwrap_or(Noise::stated(1e-6, 1e-6));
+            survey.poses + prospect(mechanism, w, &noise, 12, 0).map_or(0, |p| p.poses.len())
+        }),
+        7 => machine.workspace.as_ref().map_or(0, |w| {
+            let Ok(campaign) = Campaign::new(mechanism, w, machine.noise.as_ref(), Scaling::Paper) else { return 0 };
+            let sources = Sources { random: 30, ..Sources::default() };
+            let Ok(candidates) = Candidates::collect(&campaign, &sources) else { return 0 };
+            let aim = Aim::Index(&O1);
+            let plan = Plan { campaign: &campaign, forecaster: None, aim, given: &[], seed: 0, watch: &|_| {} };
+            let chosen = selector("exchange").unwrap();
+            select_among(&plan, chosen.as_ref(), &candidates, 12, true).map_or(0, |report| report.poses.len())
+        }),
+        _ => {
+            let Ok(list) = read_pose_list(poses, machine) else { return 0 };
+            let compensator = Compensator::new(machine.plain(), machine.surroundings(), &machine.effects(), false);
+            let commanded = compensator.map_or(0, |mut compensator| {
+                let found = list.poses.iter().map(|l| compensator.command(&l.pose, &l.conditions));
+                found.filter(Result::is_ok).count()
+            });
+            let mut rng = rand::SeedableRng::seed_from_u64(0);
+            let values = draw_parameters(mechanism, Some(1e-4), &mut rng);
+            let Ok(truth) = mechanism.with_values(&values, mechanism.home()) else { return commanded };
+            let run: Vec<Command> =
+                list.poses.iter().map(|l| Command { pose: l.pose, state: l.conditions.clone() }).collect();
+            let noise = machine.noise.unwrap_or(Noise::stated(1e-6, 1e-6));
+            let convention = &machine.convention;
+            let samples = simulate_run::<rand::rngs::ChaCha8Rng>(
+                mechanism,
+                truth.as_ref(),
+                &run,
+                None,
+                convention,
+                &noise,
+                &mut rng,
+            );
+            commanded + samples.map_or(0, |s| s.len())
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(mutations(100))]
+
+    /// Numbers that no check of a reader refuses do not make a later step panic or hang.
+    #[test]
+    fn what_is_read_goes_through_the_commands(
+        mechanism in wild_text(vec![MECHANISM, &RICH_MECHANISM, POSITIONER]),
+        data in wild_text(vec![DATA, &RICH_DATA, TARGETS, HEIGHTS]),
+        poses in wild_text(vec![POSES]),
+        which in 0_usize..9,
+    ) {
+        let (folder, path) = file("wild.csv", short(&data).as_bytes());
+        let list = folder.path().join("poses.csv");
+        std::fs::write(&list, poses).unwrap();
+        in_time(move || {
+            let Ok(machine) = Machine::from_text(&mechanism, Path::new("wild.toml")) else { return 0 };
+            let Ok(measured) = read_measurement(path, &machine) else { return 0 };
+            go_on(which, &machine, &measured, &list)
+        })?;
+    }
+}
+
+/// The test above is worth something only if most of its files are accepted.
+#[test]
+fn good_files_reach_every_command() {
+    let machine = Machine::from_text(MECHANISM, Path::new("plain.toml")).unwrap();
+    let (folder, path) = file("d.csv", DATA.as_bytes());
+    let list = folder.path().join("p.csv");
+    std::fs::write(&list, "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n1,2,475,0,1,0\n").unwrap();
+    let measured = read_measurement(&path, &machine).unwrap();
+    for which in 0..9 {
+        assert!(go_on(which, &machine, &measured, &list) > 0, "{which}");
     }
 }

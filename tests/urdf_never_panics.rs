@@ -1,5 +1,7 @@
 //! Whatever is done to a URDF, its reader returns in time; and a change that must not matter does not, while one that
 //! must be seen is seen.
+//!
+//! 20,000 damaged robots and 20,000 damaged side files; `PARACAL_MUTATIONS` and `PARACAL_SEED` ask for others.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -7,6 +9,8 @@
     reason = "the helpers beside the tests prepare the files for them"
 )]
 
+#[path = "common/mutations.rs"]
+mod mutations;
 #[path = "common/urdf_robots.rs"]
 mod urdf_robots;
 
@@ -15,6 +19,7 @@ use std::path::Path;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
+use mutations::mutations;
 use paracal::files::{FileError, Machine};
 use paracal::mechanism::{Leg, SixHardpoint};
 use proptest::prelude::*;
@@ -215,7 +220,7 @@ fn fatal() -> impl Strategy<Value = fn(String, Index) -> String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(mutations(1))]
 
     #[test]
     fn nothing_makes_it_panic_or_hang(style in select(WHOLE.to_vec()), list in prop::collection::vec(damage(), 1..4)) {
@@ -225,6 +230,34 @@ proptest! {
             prop_assert!(legs.len() == 6 && off(&legs).is_finite());
         }
     }
+
+    /// The TOML and the YAML that stand beside a URDF.
+    #[test]
+    fn side_files(yaml in any::<bool>(), list in prop::collection::vec(damage(), 1..4)) {
+        let folder = tempfile::tempdir().unwrap();
+        let (name, good) = if yaml { ("r.yaml", YAML) } else { ("r.toml", SIDE) };
+        std::fs::write(folder.path().join("r.urdf"), robot(Style::Frames).text()).unwrap();
+        let text = list.iter().fold(good.to_owned(), |text, d| damaged(&text, d));
+        std::fs::write(folder.path().join(name), text).unwrap();
+        let (send, receive) = channel();
+        let path = folder.path().join("r.urdf");
+        std::thread::spawn(move || send.send(Machine::read(path).map(drop).map_err(|e| e.to_string())));
+        let read = receive.recv_timeout(PATIENCE);
+        prop_assert!(read.is_ok(), "the reader panicked or did not return in time");
+        if let Ok(Err(message)) = read {
+            prop_assert!(message.contains("/r.") && message.len() > 20, "{message}");
+        }
+    }
+}
+
+const SIDE: &str = "name = \"robot\"\ntype = \"six-hardpoint\"\nlength_unit = \"mm\"\nangle_unit = \"deg\"\n\
+    reference_temperature_degC = 20.0\n\n[workspace]\nposition = [20.0, 20.0, 15.0]\nrotation = [5.0, 5.0, 5.0]\n\n\
+    [tolerance]\nanchor = 0.2\nlength = 0.2\n\n[noise]\nposition = 0.01\nrotation = 0.002\n";
+const YAML: &str = "closed_loop: [[strut_A_tip, strut_A_seat], [strut_B_tip, strut_B_seat]]\n\
+    type: ['3d', '3d']\nname_mot: [drive_a, drive_b]\nmore:\n  - &anchor {a: 1.5, b: [x, ~]}\n  - *anchor\n";
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_does_not_matter_changes_nothing(

@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
 use super::statistics::{Noise, log_mean};
+use crate::solve::symmetric_eigen;
 
 /// A block of columns beside a model.
 #[derive(Clone, Debug)]
@@ -58,7 +59,7 @@ impl Asked {
             s.row_mut(k).unscale_mut(scale[k]);
             s.column_mut(k).unscale_mut(scale[k]);
         }
-        (s.symmetric_eigen(), scale)
+        (symmetric_eigen(s), scale)
     }
 
     /// Logarithm of the marginal likelihood over that of no effect: Gaussian priors with the usual sizes of the

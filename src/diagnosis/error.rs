@@ -23,6 +23,17 @@ pub enum DiagnoseError {
         /// What is needed.
         needed: usize,
     },
+    /// Every row is a place where something may have changed, so that time and memory grow faster than the rows.
+    #[error(
+        "{samples} samples are too many to look for causes in, at most {most} can be searched: diagnose parts of the run one \
+         after the other, or average samples that repeat each other"
+    )]
+    TooManySamples {
+        /// Samples.
+        samples: usize,
+        /// The most that can be searched.
+        most: usize,
+    },
     /// Many samples do not agree with any model, so that none can be judged.
     #[error(
         "{outliers} of {samples} samples do not fit together with the others; no cause can be named from the rest: check \

@@ -77,6 +77,9 @@ use subject::Subject;
 /// Tolerances by which parameters may differ from the drawing.
 const TOLERANCES: f64 = 2.0;
 
+/// Samples that can be searched in minutes, with a few gigabytes.
+const MOST_SAMPLES: usize = 10_000;
+
 /// What a diagnosis starts from.
 #[derive(Clone, Debug)]
 pub struct Question<'a> {
@@ -102,6 +105,9 @@ pub struct Question<'a> {
 /// [`DiagnoseError`] if there is no answer at all.
 pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let Question { mechanism, data, convention, .. } = *question;
+    if data.len() > MOST_SAMPLES {
+        return Err(DiagnoseError::TooManySamples { samples: data.len(), most: MOST_SAMPLES });
+    }
     let convention = &convention;
     let prior = Prior::wide(mechanism, TOLERANCES);
     if let Some(misread) = preflight::preflight(mechanism, data, convention, &prior) {

@@ -7,6 +7,7 @@ use super::model::{Candidate, Fitting, Model, columns_of};
 use super::statistics::log_mean;
 use super::subject::Group;
 use super::table::Table;
+use crate::solve::svd;
 
 /// Family-wise level of the catalogue.
 pub(super) const LEVEL: f64 = 0.004;
@@ -161,7 +162,7 @@ pub(super) fn separability(
     let theta = DMatrix::from_column_slice(values.len(), 1, values);
     let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
     let x = without.projected(&columns_of(without.table, groups, rival));
-    let svd = x.svd(true, false);
+    let svd = svd(x, true, false);
     let largest = svd.singular_values.max();
     let mut left = shape.column(0).into_owned();
     for (u, _) in

@@ -20,6 +20,9 @@ use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, Workspace, c
 use crate::pose::{PoseConvention, RotationOrder};
 use crate::units::{Dimension, Unit};
 
+/// Largest number of a file, far beyond any machine in any unit: products of several of them must not overflow.
+pub(super) const MOST: f64 = 1e30;
+
 /// Reads numbers of one file into SI and names what is wrong with them.
 pub(super) struct Reader<'a> {
     pub(super) path: &'a Path,
@@ -47,10 +50,12 @@ impl Reader<'_> {
     }
 
     pub(super) fn finite(&self, place: &str, v: f64) -> Result<f64, FileError> {
-        if v.is_finite() {
-            Ok(v)
-        } else {
-            Err(self.value(place, format!("{v} is not a finite number; write a number")))
+        match v {
+            _ if !v.is_finite() => Err(self.value(place, format!("{v} is not a finite number; write a number"))),
+            _ if v.abs() > MOST => {
+                Err(self.value(place, format!("{v:e} is beyond {MOST:e}; correct the number or its unit")))
+            }
+            _ => Ok(v),
         }
     }
 
@@ -67,8 +72,19 @@ impl Reader<'_> {
     /// A number of a section that may be left out.
     pub(super) fn known(&self, place: &str, v: f64) -> Result<f64, FileError> {
         self.finite(place, v)?;
-        let problem = || format!("must be positive, found {v}; leave the section out if it is not known");
-        if v <= 0.0 { Err(self.value(place, problem())) } else { Ok(v) }
+        match v {
+            _ if v <= 0.0 => {
+                let problem = format!("must be positive, found {v}; leave the section out if it is not known");
+                Err(self.value(place, problem))
+            }
+            // Its reciprocal is a weight.
+            _ if v < 1.0 / MOST => {
+                let least = 1.0 / MOST;
+                let problem = format!("{v:e} is below {least:e}; correct the number, or leave the section out");
+                Err(self.value(place, problem))
+            }
+            _ => Ok(v),
+        }
     }
 
     pub(super) fn point(&self, place: &str, p: &[f64; 3]) -> Result<Vector3<f64>, FileError> {

@@ -1,8 +1,11 @@
 //! Output files appear whole or not at all.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use super::FileError;
 
@@ -10,6 +13,9 @@ use super::FileError;
 ///
 /// Each is written under a temporary name in its own folder; only when all are on the disk are they renamed.
 /// What is not a regular file (`/dev/stdout`, a pipe) is written directly, after the others are staged.
+///
+/// Temporary files are called `.paracal-….part`. A run that is killed may leave one behind; whoever writes into that
+/// folder an hour later removes it.
 #[derive(Debug, Default)]
 pub struct Outputs {
     files: Vec<(PathBuf, Vec<u8>)>,
@@ -96,12 +102,15 @@ impl Outputs {
 
     fn stage(&self, staged: &mut Vec<(PathBuf, PathBuf)>) -> Result<(), FileError> {
         let regular = |path: &Path| fs::metadata(path).map_or(true, |m| m.is_file());
-        for (k, (path, bytes)) in self.files.iter().enumerate().filter(|(_, (p, _))| regular(p)) {
+        let mut folders = BTreeSet::new();
+        for (path, bytes) in self.files.iter().filter(|(p, _)| regular(p)) {
             // A link is followed, so that the file behind it is replaced and not the link.
             let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-            let temporary = folder_of(&path).join(format!(".paracal-{}-{k}.part", std::process::id()));
-            staged.push((temporary.clone(), path.clone()));
-            let written = File::create(&temporary).and_then(|mut f| {
+            if folders.insert(folder_of(&path).to_path_buf()) {
+                remove_abandoned(folder_of(&path));
+            }
+            let written = temporary_in(folder_of(&path)).and_then(|(temporary, mut f)| {
+                staged.push((temporary, path.clone()));
                 f.write_all(bytes)?;
                 // A file that is replaced keeps its mode.
                 if let Ok(old) = fs::metadata(&path) {
@@ -119,6 +128,39 @@ impl Outputs {
             written.map_err(|cause| write_error(path, cause))?;
         }
         Ok(())
+    }
+}
+
+/// How the name of a temporary file begins and ends.
+const TEMPORARY: [&str; 2] = [".paracal-", ".part"];
+/// A temporary file lives for the time of a write; one of this age is that of a run that was killed.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// A new temporary file. Its number of the process need not be its own: another machine, or another container, may write
+/// into the same folder.
+fn temporary_in(folder: &Path) -> std::io::Result<(PathBuf, File)> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let [begin, end] = TEMPORARY;
+    loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!("{begin}{}-{count}{end}", std::process::id()));
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Err(cause) if cause.kind() == ErrorKind::AlreadyExists => {}
+            other => return other.map(|file| (path, file)),
+        }
+    }
+}
+
+/// Removes what killed runs left behind. A folder that does not let itself be tidied up may still be written to.
+fn remove_abandoned(folder: &Path) {
+    let [begin, end] = TEMPORARY;
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|n| n.starts_with(begin) && n.ends_with(end));
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if ours && age().is_some_and(|age| age > ABANDONED) {
+            let _ = fs::remove_file(entry.path());
+        }
     }
 }
 
@@ -174,6 +216,51 @@ mod tests {
         outputs.files.push((missing, b"text".to_vec()));
         assert!(outputs.write().is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn names_of_temporary_files_never_meet() {
+        // Another container may have the same number of a process, and many threads of one process may write at once.
+        let folder = tempfile::tempdir().unwrap();
+        let taken: Vec<PathBuf> = (0..2000)
+            .map(|count| folder.path().join(format!(".paracal-{}-{count}.part", std::process::id())))
+            .collect();
+        taken.iter().for_each(|path| fs::write(path, "another's").unwrap());
+        std::thread::scope(|scope| {
+            for thread in 0..8 {
+                let path = folder.path().join(format!("{thread}.txt"));
+                scope.spawn(move || {
+                    for _ in 0..20 {
+                        let mut outputs = Outputs::default();
+                        outputs.add(&path, format!("{thread}").repeat(10_000)).unwrap();
+                        outputs.write().unwrap();
+                    }
+                });
+            }
+        });
+        for thread in 0..8 {
+            let text = fs::read_to_string(folder.path().join(format!("{thread}.txt"))).unwrap();
+            assert!(text == format!("{thread}").repeat(10_000), "{thread}");
+        }
+        assert!(taken.iter().all(|path| fs::read(path).unwrap() == b"another's"));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2008);
+    }
+
+    #[test]
+    fn what_killed_runs_left_is_removed_when_it_is_old() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, age: u64| {
+            let path = folder.path().join(name);
+            let file = File::create(&path).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(age)).unwrap();
+            path
+        };
+        let old = file(".paracal-1-0.part", 3700);
+        let kept = [file(".paracal-1-1.part", 100), file(".paracal-notes.txt", 9999), file("x.part", 9999)];
+        let mut outputs = Outputs::default();
+        outputs.add(&folder.path().join("new.txt"), "text").unwrap();
+        outputs.write().unwrap();
+        assert!(!old.exists() && kept.iter().all(|path| path.exists()));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use super::column::{Column, Meaning, column};
 use super::error::{FileError, read_text};
 use super::machine::Machine;
+use super::mechanism_reader::MOST;
 
 /// A table whose rows all have the length of its header.
 pub(super) struct Table {
@@ -78,7 +79,11 @@ impl Table {
         let value: f64 = text.parse().map_err(|_| error("is not a number"))?;
         let value = self.columns[column].unit.map_or(value, |u| u.to_si(value));
         let value = self.columns[column].joint.as_ref().map_or(value, |j| j.length(value));
-        if value.is_finite() { Ok(value) } else { Err(error("is not a finite number")) }
+        match value {
+            _ if !value.is_finite() => Err(error("is not a finite number")),
+            _ if value.abs() > MOST => Err(error("is too large to have been measured")),
+            _ => Ok(value),
+        }
     }
 
     /// The quaternion in four columns w x y z; `None` if their cells are empty.

@@ -53,7 +53,9 @@ pub(super) fn held_out(
         Holdout::Data(_) | Holdout::None => return Ok(None),
     };
     let predict = |held: &Vec<usize>| -> Result<ModelErrors, IdentifyError> {
-        let rest: Vec<usize> = (0..n).filter(|k| !held.contains(k)).collect();
+        let mut is_held = vec![false; n];
+        held.iter().for_each(|k| is_held[*k] = true);
+        let rest: Vec<usize> = (0..n).filter(|k| !is_held[*k]).collect();
         let fitted = task.data.subset(&rest);
         let found = identifier.identify(&Task { data: &fitted, ..*task })?;
         let mechanism = task.mechanism.with_values(&found.mechanism_values(), task.mechanism.home())?;

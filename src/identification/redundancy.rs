@@ -13,6 +13,7 @@ use crate::conditions::Conditions;
 use crate::measurement::Sample;
 use crate::mechanism::{Linearization, Mechanism};
 use crate::pose::Pose;
+use crate::solve::{singular_values, svd};
 
 /// A combination that joints enter by less than this part of their largest effect is structural.
 const SEEN: f64 = 1e-9;
@@ -40,7 +41,7 @@ impl Redundancy {
         let mut work = Linearization::sized_for(mechanism);
         mechanism.linearize(c, &mechanism.inverse(c, &home, &at).ok()?, &home, &at, &mut work);
         let n = complement(&work.motion);
-        let values = n.tr_mul(&work.joints).singular_values();
+        let values = singular_values(n.tr_mul(&work.joints));
         let extra = values.iter().filter(|v| **v > SEEN * work.joints.norm()).count();
         if extra == 0 {
             return None;
@@ -65,7 +66,7 @@ impl Redundancy {
         if self.bases.len() == k {
             let n = complement(&self.work.motion);
             // Of these the combinations that joints enter most.
-            let svd = n.tr_mul(&self.work.joints).svd(true, false);
+            let svd = svd(n.tr_mul(&self.work.joints), true, false);
             self.bases.push(match svd.u {
                 Some(u) => n * u.columns(0, self.rows()),
                 None => n.columns(0, self.rows()).into_owned(),

@@ -15,7 +15,7 @@ use super::problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};
 use crate::pose::{Pose, rotation_from_spread, rotation_vector};
-use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares};
+use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares, svd};
 use crate::units::Dimension;
 
 /// Result of a registration.
@@ -230,7 +230,7 @@ fn complete(pairs: &[Pair], turn: Rotation3<f64>, free: Free) -> Option<Frames> 
     // Where the platform hardly turns, p_A and t_B are the same thing: the target is then taken to sit near the platform,
     // and the tracker to stand far away, by counting lengths of t_B in units of TRACKER.
     a.columns_mut(3, 3).scale_mut(TRACKER);
-    let svd = a.svd(true, true);
+    let svd = svd(a, true, true);
     let mut x = svd.solve(&b, 1e-6 * svd.singular_values.max()).ok()?;
     x.rows_mut(3, 3).scale_mut(TRACKER);
     Some(Frames {

@@ -7,7 +7,7 @@ use super::problem::{CalibrationProblem, Weights};
 use super::{IdentifyError, Prior, Task};
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
-use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution, SolveError};
+use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution, SolveError, svd};
 
 /// One identified parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -169,7 +169,7 @@ pub(super) fn pseudo_inverse(j: &DMatrix<f64>) -> (DMatrix<f64>, usize, Vec<bool
     if m < n {
         scaled = scaled.resize_vertically(n, 0.0);
     }
-    let svd = scaled.svd(true, true);
+    let svd = svd(scaled, true, true);
     // Both factors were asked for just above.
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return (DMatrix::zeros(n, m), 0, vec![false; n]) };
     let largest = svd.singular_values.max();

@@ -7,7 +7,7 @@ use crate::conditions::Conditions;
 use crate::pose::Pose;
 use crate::solve::{
     EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, LeastSquaresSolution, NewtonError,
-    NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton,
+    NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton, svd,
 };
 
 /// Smallest part of the way that [`follow_joints`] tries in one step.
@@ -135,7 +135,7 @@ impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> LeastSquaresProble
 /// A minimum after one more Gauss–Newton step. The minimiser compares costs, which tell steps apart only down to the
 /// square root of rounding; the step itself is exact.
 fn polished(solution: &LeastSquaresSolution) -> DVector<f64> {
-    let step = solution.jacobian.clone().svd(true, true).solve(&solution.residual, 1e-12);
+    let step = svd(solution.jacobian.clone(), true, true).solve(&solution.residual, 1e-12);
     match step {
         Ok(step) if step.amax() <= SETTLED => &solution.x - step,
         _ => solution.x.clone(),

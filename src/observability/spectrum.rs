@@ -1,5 +1,6 @@
 //! Singular values of stacked rows.
 
+use crate::solve::svd;
 use nalgebra::DMatrix;
 
 /// Singular values and right singular vectors of a stacked Jacobian.
@@ -21,7 +22,7 @@ impl Spectrum {
         let square = if rows.nrows() > n { rows.clone().qr().r() } else { rows.clone().resize_vertically(n, 0.0) };
         // Rows of absurdly small noise overflow when they are squared.
         let largest = square.amax().max(f64::MIN_POSITIVE);
-        let svd = (square / largest).svd(false, with_directions);
+        let svd = svd(square / largest, false, with_directions);
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
         let directions = match &svd.v_t {

@@ -11,6 +11,7 @@ use crate::mechanism::{
 };
 use crate::observability::{Block, Scaling};
 use crate::pose::{Pose, PoseConvention};
+use crate::solve::singular_values;
 
 /// Poses with a worse condition of `J₁` (angles times the platform radius) are not measured.
 const WORST_CONDITION: f64 = 1e3;
@@ -141,7 +142,7 @@ impl<'a> Campaign<'a> {
         for k in 3..6 {
             motion.column_mut(k).unscale_mut(self.size);
         }
-        let sigma = motion.singular_values();
+        let sigma = singular_values(motion);
         if !(sigma.max() < WORST_CONDITION * sigma.min()) {
             return Err(Infeasible::IllConditioned);
         }

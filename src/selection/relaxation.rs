@@ -23,6 +23,7 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::support::Support;
 use crate::observability::{FastForm, ObservabilityIndex, Pool};
+use crate::solve::svd;
 
 /// Shares of candidates, and what they prove.
 #[derive(Clone, Debug)]
@@ -107,7 +108,7 @@ impl Criterion<'_> {
             }
             Criterion::Harmonic | Criterion::Smallest => {
                 // M = Wᵀ M_w W = (Lᵀ W)ᵀ (Lᵀ W): singular values of a factor keep the small ones.
-                let svd = (factor.l().transpose() * *basis).svd(false, true);
+                let svd = svd(factor.l().transpose() * *basis, false, true);
                 let onto = *basis * svd.v_t?.transpose();
                 let smallest = svd.singular_values.min();
                 let weights = match self {

@@ -4,6 +4,7 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::relaxation::Spread;
 use crate::observability::{O1, Pool, PoseSet, update_inverse};
+use crate::solve::symmetric_eigen;
 
 /// Shares below this are dropped.
 const DROPPED: f64 = 1e-6;
@@ -205,7 +206,7 @@ impl<'a> Support<'a> {
         let c = c.unpack();
         let mut signed = c.clone();
         signed.rows_mut(6, 6).neg_mut();
-        let mu = (c.transpose() * signed).symmetric_eigenvalues();
+        let mu = symmetric_eigen(c.transpose() * signed).eigenvalues;
         let slope = |t: f64| mu.iter().map(|m| m / (1.0 + t * m)).sum::<f64>();
         let safe = mu.iter().filter(|m| **m < 0.0).map(|m| -0.999 / m).fold(most, f64::min);
         if safe == most && slope(most) >= 0.0 {

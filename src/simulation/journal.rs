@@ -87,6 +87,9 @@ impl Journal {
             if !text.ends_with('\n') {
                 file.write_all(b"\n").map_err(about)?;
             }
+        } else if text.is_empty() {
+            // Another program may begin the same journal now: nothing is cut off, and a second heading is passed over.
+            file.write_all(HEADING.as_bytes()).map_err(about)?;
         } else if text.starts_with(ANY_HEADING) || ANY_HEADING.starts_with(&*text) {
             file.set_len(0).and_then(|()| file.write_all(HEADING.as_bytes())).map_err(about)?;
         } else {

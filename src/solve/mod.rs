@@ -19,6 +19,7 @@
 //! References: Nocedal and Wright, *Numerical Optimization*, chapters 10 and 11; Moré 1978 (scaling by
 //! column norms); Nielsen 1999 (the update of the damping).
 
+mod decomposition;
 mod gauss_newton;
 mod least_squares;
 mod levenberg_marquardt;
@@ -27,6 +28,7 @@ mod newton;
 mod shortest;
 mod state;
 
+pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
 use gauss_newton::GaussNewton;
 pub use least_squares::{
     Convergence, EvaluationError, IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem,

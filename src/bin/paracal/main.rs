@@ -11,6 +11,8 @@ mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
+#[cfg(test)]
+mod mutated_calls;
 mod paint;
 mod reproduce;
 mod select;
@@ -20,6 +22,7 @@ mod urdf_args;
 
 use std::process::ExitCode;
 
+use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use common::{Ui, report_error};
@@ -75,16 +78,16 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let urdf = match cli.urdf.options() {
-        Ok(options) => options,
-        Err(error) => return report_error(&error),
-    };
-    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
-    let done = match &cli.command {
+    run(&cli).unwrap_or_else(|error| report_error(&error))
+}
+
+fn run(cli: &Cli) -> Result<ExitCode> {
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()? };
+    match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),
         Command::Simulate(args) => simulate::run(args, &ui),
@@ -96,9 +99,5 @@ fn main() -> ExitCode {
         Command::Convert(args) => convert::run(args, &ui),
         Command::Reproduce(args) => reproduce::run(args, &ui),
         Command::Completions(args) => completions::run(args, Cli::command()),
-    };
-    match done {
-        Ok(code) => code,
-        Err(error) => report_error(&error),
     }
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
+use clap::builder::RangedU64ValueParser;
 use paracal::files::{ListedPose, Machine, Outputs, read_poses};
 use paracal::observability::{INDICES, Scaling, index};
 use paracal::pose::Pose;
@@ -39,7 +40,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Number of poses in all, given ones included.
-    #[arg(short, value_name = "N", conflicts_with = "require")]
+    #[arg(short, value_name = "N", conflicts_with = "require", value_parser = up_to(MOST_SELECTED))]
     n: Option<usize>,
     /// What is optimised: o1 to o5, or the predicted error of the calibrated pose.
     #[arg(long, default_value = "o1", value_parser = clap::builder::PossibleValuesParser::new(INDICES))]
@@ -74,10 +75,10 @@ pub(crate) struct Args {
     #[command(flatten)]
     diagnosis: DiagnosisArgs,
     /// Length of the tabu list (tabu-detmax).
-    #[arg(long, value_name = "N", default_value_t = 100)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = up_to(MOST_ITERATIONS))]
     tabu: usize,
     /// Iterations (tabu-detmax).
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = up_to(MOST_ITERATIONS))]
     iterations: usize,
     /// Seed of everything random.
     #[arg(long, default_value_t = 0)]
@@ -85,11 +86,24 @@ pub(crate) struct Args {
 }
 
 const POSES: usize = 20;
+/// Poses to choose: several times the longest campaigns; the time grows with their square.
+const MOST_SELECTED: u64 = 1000;
+/// Candidates: half a gigabyte.
+const MOST_CANDIDATES: usize = 1_000_000;
+/// Iterations: some minutes.
+const MOST_ITERATIONS: u64 = 1_000_000;
+
+/// Whole numbers that can be worked off.
+fn up_to(most: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(0..=most)
+}
+
 /// Numbers of poses that a table shows.
 const TABLE: std::ops::RangeInclusive<usize> = 7..=60;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let listed = args.candidates.parse::<usize>().is_err().then(|| PathBuf::from(&args.candidates));
+    let number = random_candidates(&args.candidates)?;
+    let listed = number.is_none().then(|| PathBuf::from(&args.candidates));
     let lists = [&listed, &args.given, &args.targets, &args.diagnosis.conditions];
     let inputs = std::iter::once(&args.mechanism).chain(lists.into_iter().flatten());
     let mut outputs = Outputs::beside_inputs(inputs);
@@ -114,15 +128,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     let (given, targets) = (poses(&args.given)?, poses(&args.targets)?);
     let chosen = chosen_selector(args);
-    let random = match &listed {
-        Some(_) => 0,
-        None => args.candidates.parse::<usize>().context("--candidates")?,
-    };
+    let random = number.unwrap_or(0);
     let corners = chosen.wants_corners() && !args.no_corners && listed.is_none();
     if random == 0 && listed.is_none() && !corners {
         bail!("--candidates 0: without corners there is nothing to choose from");
     }
-    let sources = Sources { random, corners_and_grid: corners, listed: poses(&listed)?, seed: args.seed };
+    let sources =
+        Sources { random, corners_and_grid: corners, listed: poses(&listed).context("--candidates")?, seed: args.seed };
 
     let noise = machine.noise.as_ref();
     let whitened = Campaign::new(mechanism, &workspace, noise, Scaling::Whitened);
@@ -252,6 +264,17 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();
     ui.result(&text::selection(&shown), &json::selection(&shown, &coordinates, seconds));
     Ok(ExitCode::SUCCESS)
+}
+
+/// The number of random candidates; `None` if the text is the name of a list.
+fn random_candidates(text: &str) -> Result<Option<usize>> {
+    if text.is_empty() || !text.bytes().all(|b| b.is_ascii_digit()) {
+        return Ok(None);
+    }
+    match text.parse() {
+        Ok(number) if number <= MOST_CANDIDATES => Ok(Some(number)),
+        _ => bail!("--candidates {text}: at most {MOST_CANDIDATES} random poses can be drawn"),
+    }
 }
 
 /// The first half of a refusal: what is missing.

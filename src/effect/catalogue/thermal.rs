@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::{describe, of_legs, unrecorded};
 use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
 use crate::mechanism::Body;
+use crate::solve::svd;
 use crate::units::Dimension;
 
 /// Prior scale of a coefficient of expansion, 1/K.
@@ -230,7 +231,7 @@ impl ThermalGradient {
         let rows = DMatrix::from_fn(known.len(), 3, |i, k| known[i].0[k] - centre[k]);
         let values = DVector::from_iterator(known.len(), known.iter().map(|(_, t)| t - mean));
         // Sensors in one plane leave the gradient across it at zero.
-        let found = rows.svd(true, true).solve(&values, 1e-9).ok()?;
+        let found = svd(rows, true, true).solve(&values, 1e-9).ok()?;
         let gradient = Vector3::new(found[0], found[1], found[2]);
         Some((mean - gradient.dot(&centre), gradient))
     }

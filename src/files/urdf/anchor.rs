@@ -1,9 +1,10 @@
 //! One end of a leg: what its joints leave of the place of its anchor.
 
-use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use super::closures::{Frame, Motion};
 use super::finding::FindingKind as K;
+use crate::solve::symmetric_eigen;
 
 /// One end of a leg: the constraints that its joints put on the anchor, in the frame of the leg.
 #[derive(Default)]
@@ -89,7 +90,7 @@ pub(super) fn common_point(end: &End, what: &str, joint: &str) -> Result<Vector3
         normal += across;
         right += across * (point - origin);
     }
-    let weakest = SymmetricEigen::new(normal).eigenvalues.min() / end.lines.len() as f64;
+    let weakest = symmetric_eigen(normal).eigenvalues.min() / end.lines.len() as f64;
     let solution = normal.lu().solve(&right).filter(|_| weakest > 1e-4);
     solution.map(|p| origin + p).ok_or_else(|| {
         let text = format!(
@@ -119,7 +120,7 @@ fn directions(end: &End, turn: f64) -> Vec<Vector3<f64>> {
 fn rank(end: &End, part: impl Fn(Vec<Vector3<f64>>) -> Vec<Vector3<f64>>) -> usize {
     let one = |turn: f64| {
         let products: Matrix3<f64> = part(directions(end, turn)).iter().map(|d| d * d.transpose()).sum();
-        SymmetricEigen::new(products).eigenvalues.iter().filter(|v| **v > 1e-4).count()
+        symmetric_eigen(products).eigenvalues.iter().filter(|v| **v > 1e-4).count()
     };
     [0.0, 0.5, 1.1, 1.9].map(one).into_iter().fold(0, usize::max)
 }

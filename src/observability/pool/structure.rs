@@ -5,6 +5,7 @@ use nalgebra::{Cholesky, DMatrix, Matrix6};
 use super::Block;
 use crate::observability::kernel::{PER_LEG, SLOTS};
 use crate::observability::rows::{at_least_square, stacked};
+use crate::solve::svd;
 
 /// Directions seen by less than this part of the strongest are invisible.
 const INVISIBLE: f64 = 1e-12;
@@ -50,7 +51,7 @@ pub(super) fn visible_directions(blocks: &[Block]) -> Option<DMatrix<f64>> {
     for (mut column, length) in r.column_iter_mut().zip(&lengths) {
         column.unscale_mut(if *length > 0.0 { *length } else { 1.0 });
     }
-    let svd = r.svd(false, true);
+    let svd = svd(r, false, true);
     let v_t = svd.v_t?;
     let strongest = svd.singular_values.max();
     let seen: Vec<usize> = (0..parameters).filter(|k| svd.singular_values[*k] > INVISIBLE * strongest).collect();
