@@ -23,9 +23,10 @@ use paracal::files::{
 };
 use paracal::identification::{CalibrationOptions, Weights, calibrate, evaluate, identifier};
 use paracal::measurement::{Frames, Noise};
-use paracal::mechanism::Survey;
+use paracal::mechanism::{Mechanism, Survey};
 use paracal::observability::{O1, Scaling};
-use paracal::report::{html, json, text};
+use paracal::report::html::{self, Measured, Seen};
+use paracal::report::{json, text};
 use paracal::selection::{Aim, Campaign, Candidates, Plan, Sources, prospect, select_among, selector};
 use paracal::simulation::{Command, Journal, JournalError, draw_parameters, simulate_run};
 use proptest::prelude::*;
@@ -502,16 +503,24 @@ fn short(data: &str) -> String {
     data.lines().take(13).map(|l| format!("{l}\n")).collect()
 }
 
+fn subject<'a>(machine: &'a Machine, mechanism: &'a dyn Mechanism) -> html::Subject<'a> {
+    let noise = machine.noise.map(|n| [n.position, n.rotation]);
+    let settings = vec![("call".to_owned(), "paracal".to_owned())];
+    html::Subject { mechanism, convention: &machine.convention, noise, settings }
+}
+
 /// What the commands do with what they have read: `which` of them. The result of each may be an error; its text, its JSON
 /// and its page are made.
 fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> usize {
     let mechanism = machine.mechanism.as_ref();
     let page = |html: &str| html.len();
-    let settings = || vec![("call".to_owned(), "paracal".to_owned())];
+    let data_of = &data.data;
     match which {
         0 => evaluate(mechanism, &[], &data.data).map_or(0, |errors| {
             let shown = text::evaluation(&errors, mechanism.name()).len() + json::evaluation(&errors).to_string().len();
-            shown + page(&html::evaluation(&errors, mechanism.name(), None, settings()).html())
+            let models: Vec<Seen> = Seen::through("model", mechanism, &[], data_of).into_iter().collect();
+            let measured = Measured { data: data_of, models: &models };
+            shown + page(&html::evaluation(&errors, &subject(machine, mechanism), &measured).html())
         }),
         1..=4 => {
             let name = ["levenberg-marquardt", "least-squares", "robust"][which.min(3) - 1];
@@ -523,9 +532,14 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
             done.map_or(0, |found| {
                 let shown = text::calibration(&found, mechanism.name(), &data.data.model().describe(), name);
                 let own = found.identification.own_values();
-                let errors = evaluate(found.mechanism.as_ref(), &own, &data.data);
-                let models: Vec<(&str, _)> = errors.iter().map(|e| ("calibrated", e)).collect();
-                let pages = html::calibration(&found, mechanism.name(), &shown, &models, None, settings());
+                let aligned = data_of.with_frames(found.registration.frames);
+                let models = [
+                    Seen::through("calibrated", found.mechanism.as_ref(), &own, data_of),
+                    Seen::through("as it was given", mechanism, &[], &aligned),
+                ];
+                let models: Vec<Seen> = models.into_iter().flatten().collect();
+                let measured = Measured { data: data_of, models: &models };
+                let pages = html::calibration(&found, &shown, &subject(machine, found.mechanism.as_ref()), &measured);
                 let written = machine.document_of(
                     found.mechanism.as_ref(),
                     found.workspace.as_ref(),
@@ -540,12 +554,15 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
             let question = Question::of(machine, &data.as_read);
             diagnose(&question).map_or(0, |found| {
                 let plans = settle(&question, &found);
-                let plans = plans.map_or(0, |plans| {
-                    text::settlement(&found, &plans, "m").len() + json::settlement(&found, &plans).to_string().len()
-                });
+                let plans = plans.unwrap_or_default();
+                let planned =
+                    text::settlement(&found, &plans, "m").len() + json::settlement(&found, &plans).to_string().len();
                 let shown = text::diagnosis(&found, "m").len() + json::diagnosis(&found).to_string().len();
                 let written = machine.extended_document(&found).map_or(0, |d| d.to_text().len());
-                plans + shown + written + page(&html::diagnosis(&found, "m", settings()).html())
+                planned
+                    + shown
+                    + written
+                    + page(&html::diagnosis(&found, &plans, &subject(machine, mechanism), data_of).html())
             })
         }
         6 => machine.workspace.as_ref().map_or(0, |w| {

@@ -7,6 +7,9 @@ const UNSEEN: f64 = 1e-9;
 
 /// The shortest `x` with the least `|a x - b|`; not a number where `a` or `b` is none.
 pub(crate) fn shortest_solution(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    if a.is_empty() {
+        return DVector::zeros(a.ncols());
+    }
     let unknown = DVector::from_element(a.ncols(), f64::NAN);
     if a.iter().chain(b.iter()).any(|v| !v.is_finite()) {
         return unknown;
@@ -25,6 +28,7 @@ mod tests {
     fn directions_that_are_not_seen_stay_at_zero() {
         let x = shortest_solution(dmatrix![1.0, 0.0, 1.0; 0.0, 0.0, 0.0], &dvector![2.0, 5.0]);
         assert!((x - dvector![1.0, 0.0, 1.0]).amax() < 1e-12);
+        assert!(shortest_solution(DMatrix::zeros(0, 3), &DVector::zeros(0)) == DVector::zeros(3));
         assert!(shortest_solution(dmatrix![f64::NAN], &dvector![1.0])[0].is_nan());
     }
 }
