@@ -558,7 +558,7 @@ fn held_out_lengths_out_of_reach() {
 fn pose_too_far_for_a_length() {
     let list = "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n0,0,475,0,0,0\n1e300,0,475,0,0,0\n";
     let bench = Bench::new().file("p.csv", list);
-    bench.refuses("compensate m.toml p.csv -o o.csv", &["p.csv: data row 1", "too far", "correct the row"]);
+    bench.refuses("compensate m.toml p.csv -o o.csv", &["p.csv: data row 1", "too far", "correct it"]);
 }
 
 // Data that are too few.

@@ -81,7 +81,7 @@ impl Table {
         let value = self.columns[column].joint.as_ref().map_or(value, |j| j.length(value));
         match value {
             _ if !value.is_finite() => Err(error("is not a finite number")),
-            _ if value.abs() > MOST => Err(error("is too large to have been measured")),
+            _ if value.abs() > MOST => Err(error("is too far from zero for any machine")),
             _ => Ok(value),
         }
     }

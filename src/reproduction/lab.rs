@@ -43,9 +43,9 @@ impl Settings {
     pub fn check(&self) -> Result<(), ReproduceError> {
         let Settings { draws, candidates, lists, .. } = *self;
         for (what, value, (least, most)) in [
-            ("the number of draws (--draws)", draws, (40, 1_000_000)),
-            ("the number of candidates (--candidates)", candidates as u64, (200, 100_000)),
-            ("the number of lists (--lists)", lists, (3, 1000)),
+            ("--draws: the number of draws", draws, (40, 1_000_000)),
+            ("--candidates: the number of candidates", candidates as u64, (200, 100_000)),
+            ("--lists: the number of lists", lists, (3, 1000)),
         ] {
             if !(least..=most).contains(&value) {
                 return Err(ReproduceError::Settings { what, value, least, most });
