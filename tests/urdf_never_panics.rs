@@ -1,7 +1,8 @@
 //! Whatever is done to a URDF, its reader returns in time; and a change that must not matter does not, while one that
 //! must be seen is seen.
 //!
-//! 20,000 damaged robots and 20,000 damaged side files; `PARACAL_MUTATIONS` and `PARACAL_SEED` ask for others.
+//! 20,000 damaged robots and 20,000 damaged side files; `PARACAL_MUTATIONS` and `PARACAL_SEED` ask for others. The longest that has been
+//! run is 40,000 damaged robots with seed 1.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
