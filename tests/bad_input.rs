@@ -462,6 +462,18 @@ fn nothing_measured() {
 // Rows and cells of measurement files.
 
 #[test]
+fn tables_of_spreadsheets_elsewhere() {
+    for (separator, name) in [(";", "semicolons"), ("\t", "tabs")] {
+        let bench = Bench::with_data(DATA.replace(',', separator));
+        bench.refuses_calibration(&["d.csv", name, "save the table with commas"]);
+    }
+    let bench = Bench::with_data(DATA.replacen("x_mm", "X [mm]", 1));
+    bench.refuses_calibration(&["d.csv", "'X [mm]'", "write it as 'x_mm'"]);
+    let bench = Bench::with_data(DATA.replacen("leg1_mm", "leg1 (mm)", 1));
+    bench.refuses_calibration(&["d.csv", "'leg1 (mm)'", "write it as 'leg1_mm'"]);
+}
+
+#[test]
 fn header_only() {
     Bench::with_data(few(0)).refuses_calibration(&["d.csv: ", "no data row", "add rows"]);
 }

@@ -28,7 +28,13 @@ impl Table {
             if name.is_empty() {
                 return Err(problem("has no name".into()));
             }
-            let found = column(name, &header, machine.mechanism.as_ref(), targets, &joints).map_err(problem)?;
+            let of = |name: &str| column(name, &header, machine.mechanism.as_ref(), targets, &joints);
+            if let Some(usual) = without_brackets(name)
+                && of(&usual).is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_)))
+            {
+                return Err(problem(format!("would be taken for a condition; write it as '{usual}'")));
+            }
+            let found = of(name).map_err(problem)?;
             if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
                 return Err(problem(if other.name == *name {
                     "stands twice in the header; delete or rename one of them".into()
@@ -166,6 +172,12 @@ pub(super) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<Stri
         });
     }
     let (_, header) = rows.remove(0);
+    if let Some(separator) = other_separator(&header) {
+        let problem = format!(
+            "the columns are separated by {separator}; save the table with commas between columns and points in numbers"
+        );
+        return Err(FileError::Header { path: path.into(), problem });
+    }
     for (row, (line, cells)) in rows.iter().enumerate() {
         if cells.len() != header.len() {
             let (found, expected) = (cells.len(), header.len());
@@ -173,4 +185,17 @@ pub(super) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<Stri
         }
     }
     Ok((header, rows))
+}
+
+/// What separates the columns of a header, if it is no comma: spreadsheets of many countries write semicolons.
+fn other_separator(header: &[String]) -> Option<&'static str> {
+    let count = |separator: char| header.iter().map(|name| name.matches(separator).count()).sum::<usize>();
+    [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| count(*c) >= header.len()).map(|(_, name)| name)
+}
+
+/// `x_mm` for `X [mm]` or `x (mm)`: how a name with its unit in brackets is written here.
+fn without_brackets(name: &str) -> Option<String> {
+    let (stem, unit) = name.strip_suffix([']', ')'])?.rsplit_once(['[', '('])?;
+    let stem = stem.trim().to_lowercase().replace(' ', "_");
+    (!stem.is_empty() && !unit.trim().is_empty()).then(|| format!("{stem}_{}", unit.trim()))
 }

@@ -12,6 +12,7 @@ use crate::units::{show_angle, show_length, show_probability, show_quantity, thr
 pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Dataset) -> Page {
     let title = subject.mechanism.name();
     let tone = match d.verdict {
+        Verdict::Clean if text::understated(d).is_some() => Tone::Mind,
         Verdict::Clean | Verdict::Named => Tone::Good,
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
         Verdict::Misread => Tone::Bad,

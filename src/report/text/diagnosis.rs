@@ -54,12 +54,30 @@ fn name_of(d: &Diagnosis, effect: &str, leg: Option<usize>) -> String {
     format!("{effect}{}", at_leg(d, leg))
 }
 
+/// Residual over the stated noise from which on it is worth a word.
+const LOUD: f64 = 1.3;
+
+/// How many times the stated noise is left, of positions or of angles, if noise was stated and it is far more.
+pub(in crate::report) fn understated(d: &Diagnosis) -> Option<f64> {
+    let g = &d.gain;
+    let kinds = [(d.after.position, g.noise_floor_position), (d.after.rotation, g.noise_floor_rotation)];
+    let times = kinds.into_iter().filter_map(|(left, stated)| Some(left? / stated?));
+    times.max_by(f64::total_cmp).filter(|times| *times > LOUD)
+}
+
 /// The verdict in a sentence or two.
 pub fn verdict(d: &Diagnosis) -> String {
     let names: Vec<String> = d.causes.iter().map(|c| name_of(d, &c.effect, c.leg)).collect();
     let names = names.join(" and ");
     match d.verdict {
-        Verdict::Clean => "CLEAN: what the model leaves is consistent with noise.".into(),
+        Verdict::Clean => match understated(d) {
+            Some(times) => format!(
+                "CLEAN: what the model leaves is consistent with noise, but with {} times the stated one: either that is \
+                 understated, or something changes that was not recorded.",
+                three_digits(times)
+            ),
+            None => "CLEAN: what the model leaves is consistent with noise.".into(),
+        },
         Verdict::Named => format!("NAMED: {names}."),
         Verdict::Tied => {
             let rivals: Vec<&str> =

@@ -5,6 +5,7 @@ mod inspection;
 mod selection;
 mod settlement;
 
+pub(in crate::report) use diagnosis::understated;
 pub use diagnosis::{diagnosis, verdict};
 pub use inspection::{Inspection, inspection};
 pub(in crate::report) use selection::number_row;
