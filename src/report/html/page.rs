@@ -140,7 +140,7 @@ impl Page {
                 dl.numbers { @for (name, value) in &self.numbers { div { dt { (name) } dd { (value) } } } }
             }
             @for paragraph in &self.lead { p { (sentence(paragraph)) } }
-            @for section in &self.sections {
+            @for section in self.sections.iter().filter(|s| !s.parts.is_empty()) {
                 section id=(section.id) {
                     h2 { (section.title) }
                     @for (k, part) in section.parts.iter().enumerate() {
