@@ -16,6 +16,7 @@ mod mutated_calls;
 mod paint;
 mod reproduce;
 mod select;
+mod select_args;
 mod settle;
 mod simulate;
 mod urdf_args;
@@ -55,7 +56,7 @@ enum Command {
     /// Geometry, home, strokes, conditioning, and what 20 good poses could tell.
     Inspect(inspect::Args),
     /// Which poses to measure, and how good the choice is.
-    Select(select::Args),
+    Select(select_args::Args),
     /// What a tracker would measure of a mechanism with errors.
     Simulate(simulate::Args),
     /// Parameters from measured data, and how far to trust them.
