@@ -73,7 +73,8 @@ impl Bench {
     /// Names and contents of the files in a folder.
     fn listing(folder: &Path) -> Listing {
         let files = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_file());
-        files.map(|p| (p.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&p).unwrap())).collect()
+        // A file that a running process gives its name between two looks is at neither.
+        files.filter_map(|p| Some((p.file_name()?.to_str()?.to_owned(), fs::read(&p).ok()?))).collect()
     }
 
     fn temporary_files(&self) -> Vec<PathBuf> {

@@ -1,5 +1,6 @@
 //! What chosen poses promise.
 
+use super::maps::shown;
 use super::{ARCSECONDS, MICROMETRES};
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
@@ -29,17 +30,16 @@ pub(in crate::report::html) fn trace(r: &Report) -> Figure {
 
 /// The poses in three planes of the workspace.
 pub(in crate::report::html) fn coverage(r: &Report, given: usize, convention: &PoseConvention) -> Figure {
-    let coordinates: Vec<[f64; 6]> = r.poses.iter().map(|p| convention.coordinates(p)).collect();
+    let coordinates: Vec<[f64; 6]> = r.poses.iter().map(|p| shown(&convention.coordinates(p))).collect();
     let planes = [
         ("x (mm)", 0, "y (mm)", 1),
         ("x (mm)", 0, "z (mm)", 2),
         ("rx (deg)", 3, "ry (deg)", 4),
         ("rx (deg)", 3, "rz (deg)", 5),
     ];
-    let shown = |q: &[f64; 6], k: usize| if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
     let panel = |(x, i, y, j): (&str, usize, &str, usize)| {
         let series = |name: &str, colour: usize, of: &[[f64; 6]]| {
-            let (points, sizes) = stacked(of.iter().map(|q| [shown(q, i), shown(q, j)]));
+            let (points, sizes) = stacked(of.iter().map(|q| [q[i], q[j]]));
             Series::new(name, colour, Shape::Bubbles { sizes, full: 0.5 * coordinates.len() as f64 }, points)
         };
         let mut series = vec![

@@ -15,14 +15,19 @@ pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConventio
     let of = |s: &PoseErrors| if measured { s.position } else { s.rotation };
     let (unit, show): (f64, fn(f64) -> String) =
         if measured { (MICROMETRES, show_length) } else { (ARCSECONDS, show_angle) };
+    let poses = |model: &Seen| -> Vec<[f64; 6]> {
+        model.deviations.iter().map(|d| convention.coordinates(&d.pose)).map(|q| shown(&q)).collect()
+    };
+    let changes = |k: usize| models.iter().any(|m| poses(m).windows(2).any(|w| w[0][k] != w[1][k]));
+    let planes: Vec<[(&str, usize); 2]> =
+        PLANES.into_iter().filter(|plane| plane.iter().any(|(_, k)| changes(*k))).collect();
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
         let sizes: Vec<f64> = model.errors.samples.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect();
         let largest = sizes.iter().copied().filter(|s| s.is_finite()).fold(0.0, f64::max);
-        let coordinates: Vec<[f64; 6]> = model.deviations.iter().map(|d| convention.coordinates(&d.pose)).collect();
-        for plane in PLANES {
-            let shown = |q: &[f64; 6], k: usize| if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
-            let points = coordinates.iter().map(|q| plane.map(|(_, k)| shown(q, k))).collect();
+        let coordinates = poses(model);
+        for plane in &planes {
+            let points = coordinates.iter().map(|q| plane.map(|(_, k)| q[k])).collect();
             let label = |(name, k): (&str, usize)| format!("{name} ({})", if k < 3 { "mm" } else { "deg" });
             let shape = Shape::Bubbles { sizes: sizes.iter().map(|s| unit * s).collect(), full: unit * largest };
             panels.push(Panel {
@@ -48,4 +53,12 @@ pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConventio
         columns: 3,
         panels,
     }
+}
+
+/// Coordinates of a pose in mm and degrees, without the rounding of what is zero.
+pub(super) fn shown(q: &[f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|k| {
+        let value = if k < 3 { 1e3 * q[k] } else { q[k].to_degrees() };
+        (value * 1e9).round() * 1e-9
+    })
 }
