@@ -198,3 +198,53 @@ fn an_evaluation_is_shown_and_inputs_are_never_written_over() {
         assert_eq!(std::fs::read(&copy).unwrap(), before);
     }
 }
+
+#[test]
+fn what_the_command_warns_of_stands_on_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = ["evaluate", "examples/data/secondary-hexapod.toml", "examples/data/secondary-campaign.csv"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    assert!(page.contains("The errors are as large as the mechanism"));
+    assert!(page.contains("class=\"verdict drawn\""));
+}
+
+#[test]
+fn a_gross_row_is_marked_and_hides_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("gross.csv");
+    let text = common::text("examples/data/hardpoint-noisy.csv");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let row = lines.iter().position(|l| l.starts_with("leg1_mm")).unwrap() + 4;
+    let mut cells: Vec<String> = lines[row].split(',').map(str::to_owned).collect();
+    cells[6] = (cells[6].parse::<f64>().unwrap() + 0.5).to_string();
+    lines[row] = cells.join(",");
+    std::fs::write(&data, lines.join("\n")).unwrap();
+    let out = folder.path().join("c.toml");
+    let (data, out) = (data.to_str().unwrap(), out.to_str().unwrap());
+    let call = ["calibrate", "mechanisms/table5.toml", data, "-o", out, "--identifier", "robust"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    let after =
+        |name: &str| page.split(&format!("{name}</dt><dd>")).nth(1).unwrap().split('<').next().unwrap().to_owned();
+    assert!(after("left out of these numbers").split(", ").any(|row| row == "3"));
+    assert!(page.contains("looks like a gross error"));
+    // Without that row the error is that of the noise, and not a tenth of a millimetre.
+    let of = after("<dt>position error, calibrated");
+    let (value, unit) = of.split_once(' ').unwrap();
+    assert!(unit == "um" && value.parse::<f64>().unwrap() < 3.0, "{of}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_is_shown_as_well_as_it_goes() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join(std::ffi::OsStr::from_bytes(b"d\xff.csv"));
+    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
+    let page = folder.path().join("page.html");
+    let mut command = Command::new(cargo_bin!("paracal"));
+    command.arg("evaluate").arg(common::path("mechanisms/table5.toml")).arg(&data).arg("--report").arg(&page);
+    assert_eq!(command.output().unwrap().status.code(), Some(0));
+    whole(&std::fs::read_to_string(page).unwrap());
+}

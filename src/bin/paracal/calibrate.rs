@@ -89,8 +89,15 @@ pub(crate) struct Args {
     report: Option<PathBuf>,
 }
 
+impl Args {
+    /// The measurement file to hold out, if one is named.
+    fn held_file(&self) -> Option<PathBuf> {
+        self.holdout.as_ref().filter(|h| h.parse::<f64>().is_err()).map(PathBuf::from)
+    }
+}
+
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let second = args.holdout.as_ref().filter(|h| h.parse::<f64>().is_err()).map(PathBuf::from);
+    let second = args.held_file();
     let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
     let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
     outputs.check(&args.output)?;
@@ -160,7 +167,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let title = mechanism.name();
     let shown = text::calibration(&result, title, &measurement.data.model().describe(), chosen.name());
     if let Some(path) = &args.report {
-        outputs.add(path, page(args, &machine, &measurement, &result, &shown)?.html())?;
+        outputs.add(path, page(args, ui, &machine, &measurement, &result, &shown)?.html())?;
     }
     outputs.write()?;
     result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
@@ -169,7 +176,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 }
 
 /// The report: errors of the mechanism as it was given, once it stands where it was found, and of the calibrated one.
-fn page(args: &Args, machine: &Machine, measurement: &Measurement, result: &Calibration, text: &str) -> Result<Page> {
+fn page(
+    args: &Args,
+    ui: &Ui,
+    machine: &Machine,
+    measurement: &Measurement,
+    result: &Calibration,
+    text: &str,
+) -> Result<Page> {
     let data = &measurement.data;
     let about = |error| about(error, machine, &args.data, data);
     let aligned = data.with_frames(result.registration.frames);
@@ -178,8 +192,9 @@ fn page(args: &Args, machine: &Machine, measurement: &Measurement, result: &Cali
         Seen::through("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
         Seen::through("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
     ];
-    let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.data]));
-    let subject = page_subject(machine, result.mechanism.as_ref(), settings);
+    let settings =
+        settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
+    let subject = page_subject(ui, machine, result.mechanism.as_ref(), settings);
     Ok(html::calibration(result, text, &subject, &Measured { data, models: &models }))
 }
 

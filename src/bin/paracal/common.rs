@@ -1,5 +1,6 @@
 //! What the commands share: reading, warnings, progress, exit codes.
 
+use std::cell::RefCell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -30,6 +31,8 @@ pub(crate) struct Ui {
     pub(crate) quiet: bool,
     /// What a URDF file leaves open.
     pub(crate) urdf: UrdfOptions,
+    /// The warnings so far, for the page.
+    pub(crate) warnings: RefCell<Vec<String>>,
 }
 
 impl Ui {
@@ -37,10 +40,11 @@ impl Ui {
     pub(crate) fn result(&self, text: &str, json: &serde_json::Value) {
         use std::io::Write;
         let mut out = std::io::stdout();
-        let shown = match (self.json, text.rsplit_once('\n')) {
+        // The last line is the result in a sentence.
+        let (line, end) = text.split_at(text.trim_end().len());
+        let shown = match (self.json, line.rsplit_once('\n')) {
             (true, _) => json.to_string(),
-            // The last line is the result in a sentence.
-            (false, Some((before, last))) => format!("{before}\n{}", Paint::of(&out).bold(last)),
+            (false, Some((before, last))) => format!("{before}\n{}{end}", Paint::of(&out).bold(last)),
             (false, None) => text.to_owned(),
         };
         // A reader that closed the pipe (`| head`) wants no more; that is no error of ours.
@@ -49,6 +53,7 @@ impl Ui {
 
     /// Prints a warning on standard error.
     pub(crate) fn warn(&self, warning: &str) {
+        self.warnings.borrow_mut().push(warning.to_owned());
         if !self.quiet {
             let paint = Paint::of(&std::io::stderr());
             tell(&format!("{} {warning}", paint.yellow("warning:")));
@@ -226,7 +231,7 @@ pub(crate) fn settings<P: AsRef<Path>>(
     seed: Option<u64>,
     inputs: impl IntoIterator<Item = P>,
 ) -> Vec<(String, String)> {
-    let call: Vec<String> = std::env::args().skip(1).map(|word| quoted(&word)).collect();
+    let call: Vec<String> = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     let mut settings = vec![("call".to_owned(), format!("paracal {}", call.join(" ")))];
     settings.extend(seed.map(|seed| ("seed".to_owned(), seed.to_string())));
     let mut seen: Vec<PathBuf> = Vec::new();
@@ -266,10 +271,13 @@ fn quoted(word: &str) -> String {
 
 /// What a page says of the mechanism.
 pub(crate) fn page_subject<'a>(
+    ui: &Ui,
     machine: &'a Machine,
     mechanism: &'a dyn Mechanism,
     settings: Vec<(String, String)>,
 ) -> html::Subject<'a> {
-    let noise = machine.noise.as_ref().map(|n| [n.position, n.rotation]);
-    html::Subject { mechanism, convention: &machine.convention, noise, settings }
+    // Noise of the joints makes errors of a size that differs from pose to pose.
+    let noise = machine.noise.as_ref().filter(|n| n.joint == 0.0).map(|n| [n.position, n.rotation]);
+    let warnings = ui.warnings.borrow().clone();
+    html::Subject { mechanism, convention: &machine.convention, noise, warnings, settings }
 }

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let plans = settle(&question, &found).map_err(|error| case.about(error))?;
         progress.finish_and_clear();
         let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.case.data]));
-        let subject = page_subject(machine, machine.mechanism.as_ref(), settings);
+        let subject = page_subject(ui, machine, machine.mechanism.as_ref(), settings);
         outputs.add(path, html::diagnosis(&found, &plans, &subject, data).html())?;
     }
     outputs.write()?;

@@ -48,7 +48,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     if let Some(path) = &args.report {
         let models = [Seen::through("model", mechanism, &[], &measurement.data).map_err(wrong)?];
-        let subject = page_subject(&machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
+        let subject =
+            page_subject(ui, &machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
         let measured = Measured { data: &measurement.data, models: &models };
         outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
         outputs.write()?;

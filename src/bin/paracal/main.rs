@@ -21,6 +21,7 @@ mod settle;
 mod simulate;
 mod urdf_args;
 
+use std::cell::RefCell;
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -87,7 +88,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {
-    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()? };
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()?, warnings: RefCell::default() };
     match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),

@@ -176,7 +176,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     if let Some(path) = &args.report {
         let read = machine.inputs().iter().chain(lists.into_iter().flatten());
-        let subject = page_subject(&machine, mechanism, settings(Some(args.seed), read));
+        let subject = page_subject(ui, &machine, mechanism, settings(Some(args.seed), read));
         outputs.add(path, html::selection(&shown, &subject).html())?;
     }
     outputs.write()?;

@@ -1,15 +1,18 @@
 //! The page of `calibrate`.
 
 use super::page::{Page, Part, Section, Tone};
-use super::pictures::{Displacements, Layer, Seen, by_row, correlation, deviations, drawing, histograms, maps, strips};
+use super::pictures::{
+    Displacements, Layer, Seen, by_row, correlation, deviations, drawing, gross, histograms, maps, strips,
+};
 use super::{Measured, Subject};
-use crate::identification::Calibration;
+use crate::identification::{Calibration, ModelErrors, PoseErrors};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
-use crate::units::{show_angle, show_length};
+use crate::units::{shortened, show_angle, show_length};
 
-/// Rows beyond this many robust σ of a leg look like gross errors.
-const GROSS: f64 = 8.0;
+/// What to do with a calibration that can be trusted.
+const NEXT: &str = "command with the calibrated file (`paracal compensate`), and ask `paracal diagnose` what the data still hold \
+                    that is not geometry.";
 
 /// A calibration. `printed` is what the command prints; `measured` holds the data through the calibrated mechanism, then
 /// through the one that was given.
@@ -22,24 +25,26 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
         (false, _) => ("The result must not be trusted", Tone::Bad),
     };
     let models: Vec<&Seen> = measured.models.iter().collect();
+    let residuals = models.first().map(|m| m.in_joints()).unwrap_or_default();
+    let mut marked = gross(&residuals);
+    marked.extend(&found.outliers);
+    marked.sort_unstable();
+    marked.dedup();
+    let noise = measured.noise(subject.noise);
     let mut errors = vec![
-        Part::picture(by_row(&models, subject.noise)),
-        Part::picture(maps(&models, subject.convention)),
-        Part::picture(histograms(&models, subject.noise)),
+        Part::picture(by_row(&models, noise, &marked)),
+        Part::picture(maps(&models, subject.convention, &marked)),
+        Part::picture(histograms(&models, noise, &marked)),
     ];
     for seen in &models {
         let poses: Vec<_> = seen.deviations.iter().map(|d| d.pose).collect();
-        let arrows = Displacements::of(seen, subject.mechanism);
+        let arrows = Displacements::of(seen, subject.mechanism, &marked);
         errors.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
     }
     let mut sections = vec![Section { id: "errors", title: "Where it was wrong, and what is left", parts: errors }];
     if let Some(calibrated) = models.first() {
-        let residuals: Vec<(usize, &[f64])> =
-            calibrated.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect();
-        let mut marked: Vec<usize> = gross(&residuals);
-        marked.extend(&found.outliers);
         let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
-        let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked);
+        let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
         let parts = strips.into_iter().map(Part::picture).collect();
         sections.push(Section { id: "legs", title: "What is left, leg by leg", parts });
     }
@@ -59,46 +64,43 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
     let mut lead: Vec<String> = c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect();
     if !c.verdict.trusted {
         lead.push(format!("What to do: {}", text::WHAT_IS_WRONG));
+    } else {
+        lead.push(format!("What to do: {NEXT}"));
     }
+    let lead = subject.lead(lead);
     Page {
         title: format!("{}: calibration", c.mechanism.name()),
         verdict: format!("{verdict}. {summary}"),
         tone,
-        numbers: numbers(c),
+        numbers: numbers(c, &models, &marked),
         lead,
         sections,
         settings: subject.settings.clone(),
     }
 }
 
-fn numbers(c: &Calibration) -> Vec<(String, String)> {
-    let held_out = c.held_out.as_ref().map(|h| h.rms).unwrap_or_default();
-    let rows = [
-        ("position error, as it was given", c.before.position.map(show_length)),
-        ("position error, calibrated", c.after.position.map(show_length)),
+/// The numbers of the first screen, without gross rows.
+fn numbers(c: &Calibration, models: &[&Seen], marked: &[usize]) -> Vec<(String, String)> {
+    let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
+    let rms = |k: usize| {
+        let usual = |s: &&PoseErrors| !marked.contains(&s.row);
+        let samples = models.get(k).map(|m| m.errors.samples.iter().filter(usual).copied().collect());
+        ModelErrors { samples: samples.unwrap_or_default() }.rms()
+    };
+    let (after, before) = (rms(0), rms(1));
+    let rows: Vec<String> = marked.iter().map(usize::to_string).collect();
+    let numbers = [
+        ("position error, as it was given", before.position.map(show_length)),
+        ("position error, calibrated", after.position.map(show_length)),
         ("the same on rows not fitted", held_out.position.map(show_length)),
-        ("angle error, as it was given", c.before.rotation.map(show_angle)),
-        ("angle error, calibrated", c.after.rotation.map(show_angle)),
+        ("position error predicted in the workspace", c.predicted.map(|p| show_length(p.position_rms))),
+        ("angle error, as it was given", before.rotation.map(show_angle)),
+        ("angle error, calibrated", after.rotation.map(show_angle)),
         ("the same on rows not fitted", held_out.rotation.map(show_angle)),
+        ("angle error predicted in the workspace", c.predicted.map(|p| show_angle(p.rotation_rms))),
+        ("rows that look like gross errors, left out of these numbers", (!rows.is_empty()).then(|| shortened(&rows))),
     ];
-    rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
-}
-
-/// Rows of which a joint lies far from the others of its leg.
-fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
-    let joints = residuals.first().map_or(0, |(_, r)| r.len());
-    let mut rows = Vec::new();
-    for joint in 0..joints {
-        let mut sizes: Vec<f64> = residuals.iter().map(|(_, r)| r[joint].abs()).filter(|v| v.is_finite()).collect();
-        sizes.sort_by(f64::total_cmp);
-        // The median of the sizes of normal noise is 0.6745 sigma.
-        let Some(sigma) = sizes.get(sizes.len() / 2).map(|m| m / 0.6745).filter(|s| *s > 0.0) else { continue };
-        let far = residuals.iter().filter(|(_, r)| r[joint].abs() > GROSS * sigma);
-        rows.extend(far.map(|(row, _)| *row));
-    }
-    rows.sort_unstable();
-    rows.dedup();
-    rows
+    numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }
 
 fn convergence(c: &Calibration) -> Figure {
@@ -123,18 +125,5 @@ fn convergence(c: &Calibration) -> Figure {
         description: "Sum of squares and largest step after each iteration, on logarithmic axes.".into(),
         columns: 2,
         panels: vec![panel("half the sum of squares", costs), panel("largest step (1e-3 SI)", steps)],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::gross;
-
-    #[test]
-    fn a_row_far_from_its_neighbours_is_marked() {
-        let mut values: Vec<Vec<f64>> = (0..40).map(|k| vec![f64::from(k % 5 - 2), f64::from(k % 3 - 1)]).collect();
-        values[7][1] = -30.0;
-        let residuals: Vec<(usize, &[f64])> = values.iter().enumerate().map(|(k, v)| (k + 100, v.as_slice())).collect();
-        assert_eq!(gross(&residuals), [107]);
     }
 }

@@ -23,13 +23,17 @@ pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Da
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
     } else if matches!(d.verdict, Verdict::Tied | Verdict::Unknown) {
-        lead.push(
-            "What to measure next: record what may have changed (temperatures, elevation, time) and measure again."
-                .into(),
-        );
+        lead.push(match d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) {
+            Some((unknown, covariate)) => {
+                let leg = unknown.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
+                let other = unknown.runner_up.as_ref().map_or_else(String::new, |r| format!("; {r} explains it nearly as well"));
+                format!("What to do: look at what changes with {covariate}{leg}{other}, and measure over a wider range of it.")
+            }
+            None => "What to do: record more of what may have changed and measure again.".into(),
+        });
     }
     let mut sections = Vec::new();
-    if d.gain.position_before.is_some() || d.gain.rotation_before.is_some() {
+    if !d.causes.is_empty() && (d.gain.position_before.is_some() || d.gain.rotation_before.is_some()) {
         sections.push(Section { id: "gain", title: "What is gained", parts: vec![Part::picture(gain(d))] });
     }
     if !d.causes.is_empty() {
@@ -75,19 +79,19 @@ pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Da
         verdict: text::verdict(d),
         tone,
         numbers: numbers(d),
-        lead,
+        lead: subject.lead(lead),
         sections,
         settings: subject.settings.clone(),
     }
 }
 
 fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
-    let g = &d.gain;
+    let (g, named) = (&d.gain, !d.causes.is_empty());
     let rows = [
         ("position error on rows not fitted, parameters alone", g.position_before.map(show_length)),
-        ("the same with the causes", g.position_after.map(show_length)),
+        ("the same with the causes", g.position_after.filter(|_| named).map(show_length)),
         ("angle error on rows not fitted, parameters alone", g.rotation_before.map(show_angle)),
-        ("the same with the causes", g.rotation_after.map(show_angle)),
+        ("the same with the causes", g.rotation_after.filter(|_| named).map(show_angle)),
         ("noise over the stated one", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
     ];
     rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
@@ -103,11 +107,15 @@ fn legs(d: &Diagnosis, subject: &Subject<'_>, data: &Dataset) -> Vec<Part> {
     let residuals = d.residuals.iter().map(|r| (r.row, r.after.as_slice())).collect();
     let name = if d.causes.is_empty() { "kinematic parameters alone" } else { "with the causes" };
     layers.push(Layer { name, colour: 0, residuals });
-    let strips = strips(data, subject.mechanism.joints(), &layers, &d.outlier_rows);
+    let of_unknown = d.unknown.iter().flat_map(|u| u.covariate.iter().chain(&u.runner_up));
+    let further: Vec<&str> =
+        of_unknown.chain(d.causes.iter().filter_map(|c| c.of.as_ref())).map(String::as_str).collect();
+    let strips = strips(data, subject.mechanism.joints(), &layers, &d.outlier_rows, &further);
     strips.into_iter().map(Part::picture).collect()
 }
 
-const RIVALS: [&str; 5] = ["named", "also possible", "values it would have", "behind, nats", "told apart from 10"];
+const RIVALS: [&str; 5] =
+    ["named", "also possible", "values it would have", "behind, nats", "separability, 10 is needed"];
 
 fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
     let row = |r: &Rival| {

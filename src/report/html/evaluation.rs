@@ -1,7 +1,7 @@
 //! The page of `evaluate`.
 
 use super::page::{Page, Part, Section, Tone};
-use super::pictures::{Displacements, Layer, Seen, by_row, drawing, histograms, maps, strips};
+use super::pictures::{Displacements, Layer, Seen, by_row, drawing, gross, histograms, maps, strips};
 use super::{Measured, Subject};
 use crate::identification::ModelErrors;
 use crate::report::text;
@@ -20,26 +20,31 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
         ("angle error, RMS", rms.rotation.map(show_angle)),
         ("largest", max.rotation.map(show_angle)),
     ];
+    let marked = gross(&models.first().map(|m| m.in_joints()).unwrap_or_default());
+    let noise = measured.noise(subject.noise);
     let mut pictures = vec![
-        Part::picture(by_row(&models, subject.noise)),
-        Part::picture(maps(&models, subject.convention)),
-        Part::picture(histograms(&models, subject.noise)),
+        Part::picture(by_row(&models, noise, &marked)),
+        Part::picture(maps(&models, subject.convention, &marked)),
+        Part::picture(histograms(&models, noise, &marked)),
     ];
     let mut layers = Vec::new();
     for (colour, seen) in models.iter().enumerate() {
         let poses: Vec<_> = seen.deviations.iter().map(|d| d.pose).collect();
-        let arrows = Displacements::of(seen, subject.mechanism);
+        let arrows = Displacements::of(seen, subject.mechanism, &marked);
         pictures.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
-        let residuals = seen.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect();
-        layers.push(Layer { name: &seen.name, colour, residuals });
+        layers.push(Layer { name: &seen.name, colour, residuals: seen.in_joints() });
     }
-    let strips = strips(measured.data, subject.mechanism.joints(), &layers, &[]);
+    let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
     Page {
         title: format!("{title}: errors of the model"),
         verdict: format!("{} rows: RMS error {}.", errors.samples.len(), parts.join(" and ")),
-        tone: Tone::Good,
+        tone: if subject.warnings.is_empty() { Tone::Good } else { Tone::Mind },
         numbers: numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect(),
-        lead: vec!["Nothing was fitted: the model predicts each row, and the page shows by how much it misses.".into()],
+        lead: subject.lead(vec![
+            "Nothing was fitted: the model predicts each row, and the page shows by how much it misses. What to do if that is \
+             too much: `paracal calibrate` finds parameters, `paracal diagnose` causes."
+                .into(),
+        ]),
         sections: vec![
             Section { id: "errors", title: "Errors", parts: pictures },
             Section { id: "legs", title: "Leg by leg", parts: strips.into_iter().map(Part::picture).collect() },

@@ -20,7 +20,7 @@ pub use page::{Page, Part, Section, Tone};
 pub use pictures::Seen;
 pub use selection::selection;
 
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
 
@@ -33,8 +33,37 @@ pub struct Subject<'a> {
     pub convention: &'a PoseConvention,
     /// Stated noise of one component of a position and of one angle, m and rad.
     pub noise: Option<[f64; 2]>,
+    /// What the command warned of.
+    pub warnings: Vec<String>,
     /// What repeats the command, by name.
     pub settings: Vec<(String, String)>,
+}
+
+impl Subject<'_> {
+    /// Paragraphs, and the warnings that are not among them.
+    fn lead(&self, mut paragraphs: Vec<String>) -> Vec<String> {
+        for warning in &self.warnings {
+            if !paragraphs.contains(warning) {
+                paragraphs.push(warning.clone());
+            }
+        }
+        paragraphs
+    }
+}
+
+impl Measured<'_> {
+    /// The noise of one component, where every reading has just the one that is stated.
+    fn noise(&self, stated: Option<[f64; 2]>) -> Option<[f64; 2]> {
+        let stated = stated?;
+        let as_stated = |k: usize| {
+            let (model, index) = self.data.reading(k);
+            let covariance = model.covariance(index, &self.data.frames);
+            let sigma = |kind: &RowKind| stated[usize::from(*kind == RowKind::Rotation)];
+            let rows = self.data.rows(k);
+            rows.iter().enumerate().all(|(i, kind)| (covariance[(i, i)].sqrt() / sigma(kind) - 1.0).abs() < 1e-6)
+        };
+        (0..self.data.len()).all(as_stated).then_some(stated)
+    }
 }
 
 /// What a page of measured data is about.

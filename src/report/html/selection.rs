@@ -40,13 +40,13 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
         sections.push(Section { id: "number", title: "How many poses", parts });
     }
     sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::selection(s))] });
-    let good = r.efficiency.is_none_or(|e| e > 0.9);
+    let good = r.efficiency.is_some_and(|e| e > 0.9) && subject.warnings.is_empty();
     Page {
         title: format!("{}: poses to measure", s.title),
         verdict: format!("Measure the {} poses of {}: {sure}.", r.poses.len() - s.given, s.file),
         tone: if good { Tone::Good } else { Tone::Mind },
         numbers: numbers.into_iter().filter_map(|(name, value)| Some((name, value?))).collect(),
-        lead: Vec::new(),
+        lead: subject.lead(vec![format!("What to do: measure the poses of {}, then `paracal calibrate`.", s.file)]),
         sections,
         settings: subject.settings.clone(),
     }

@@ -1,31 +1,54 @@
 //! Errors row by row.
 
-use super::{ARCSECONDS, MICROMETRES, Seen};
+use super::{ARCSECONDS, GROSS, MICROMETRES, Seen};
 use crate::identification::PoseErrors;
+use crate::measurement::RowKind;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 
-/// Position and attitude error of each row for some models, beside the length of a vector of three components with the
-/// stated noise (m, rad of one component).
-pub(in crate::report::html) fn by_row(models: &[&Seen], noise: Option<[f64; 2]>) -> Figure {
+/// Position and attitude error of each row for some models, beside the length that the stated noise (m, rad of one component)
+/// gives; rows that look like gross errors are marked.
+pub(in crate::report::html) fn by_row(models: &[&Seen], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
+    // The length of a vector of as many components as were measured.
+    let components = |kind: RowKind| {
+        let first = models.first().and_then(|m| m.deviations.first());
+        first.map_or(3, |d| d.readings.iter().filter(|(of, _)| *of == kind).count().min(3)) as f64
+    };
     let panel = |title: &str, label: &str, of: fn(&PoseErrors) -> Option<f64>, unit: f64, sigma: Option<f64>| {
         let series = |(colour, model): (usize, &&Seen)| {
             let points = model.errors.samples.iter().filter_map(|s| Some([s.row as f64, unit * of(s)?])).collect();
             Series::new(&model.name, colour, Shape::Dots, points)
         };
-        let at =
-            |sigma: f64| Rule { horizontal: true, at: unit * 3.0_f64.sqrt() * sigma, label: "stated noise".into() };
+        let at = |sigma: f64| Rule { horizontal: true, at: unit * sigma, label: "stated noise".into() };
+        let mut series: Vec<Series> = models.iter().enumerate().map(series).collect();
+        if let Some(first) = series.first_mut().filter(|_| !gross.is_empty()) {
+            let (far, near) = first.points.iter().partition(|p| gross.contains(&(p[0] as usize)));
+            first.points = near;
+            series.push(Series::new(GROSS, 3, Shape::Dots, far));
+        }
         Panel {
             title: title.into(),
             x: Axis::linear("data row"),
             y: Axis::log(label),
-            series: models.iter().enumerate().map(series).collect(),
+            series,
             rules: sigma.map(at).into_iter().collect(),
             ..Panel::default()
         }
     };
     let panels = [
-        panel("Position", "position error (um)", |s| s.position, MICROMETRES, noise.map(|n| n[0])),
-        panel("Attitude", "angle error (arcsec)", |s| s.rotation, ARCSECONDS, noise.map(|n| n[1])),
+        panel(
+            "Position",
+            "position error (um)",
+            |s| s.position,
+            MICROMETRES,
+            noise.map(|n| n[0] * components(RowKind::Position).sqrt()),
+        ),
+        panel(
+            "Attitude",
+            "angle error (arcsec)",
+            |s| s.rotation,
+            ARCSECONDS,
+            noise.map(|n| n[1] * components(RowKind::Rotation).sqrt()),
+        ),
     ];
     let names: Vec<&str> = models.iter().map(|m| m.name.as_str()).collect();
     Figure {

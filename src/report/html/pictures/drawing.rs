@@ -11,6 +11,8 @@ use crate::units::{show_length, three_digits};
 /// Longest arrow and widest spread of the poses, in radii of the platform.
 const ARROW: f64 = 0.5;
 const SPREAD: f64 = 0.35;
+/// Largest tilt of a drawn pose, rad, where tilts are drawn larger than they are.
+const TILT: f64 = 0.8;
 /// Length of the axes of a frame, in radii of the platform.
 const AXES: f64 = 0.35;
 
@@ -23,14 +25,15 @@ pub(in crate::report::html) struct Displacements {
 }
 
 impl Displacements {
-    /// The errors of a model.
-    pub(in crate::report::html) fn of(seen: &Seen, mechanism: &dyn Mechanism) -> Self {
+    /// The errors of a model, without those of gross rows, beside which no other could be seen.
+    pub(in crate::report::html) fn of(seen: &Seen, mechanism: &dyn Mechanism, gross: &[usize]) -> Self {
         let centre = centre(&mechanism.platform_points());
         let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
             let turn = Vector3::new(motion[3], motion[4], motion[5]);
             Vector3::new(motion[0], motion[1], motion[2]) + turn.cross(&(pose.place(&centre) - pose.position))
         };
-        let errors = seen.deviations.iter().map(|d| (d.pose, error(&d.pose, &d.motion))).collect();
+        let usual = seen.deviations.iter().filter(|d| !gross.contains(&d.row));
+        let errors = usual.map(|d| (d.pose, error(&d.pose, &d.motion))).collect();
         Self { name: seen.name.clone(), errors }
     }
 }
@@ -51,16 +54,22 @@ pub(in crate::report::html) fn drawing(
     let corners: Vec<Vector3<f64>> = platform.iter().map(|(_, p)| *p).collect();
     let mut notes = Vec::new();
     let spread = poses.iter().map(|p| (p.position - home.position).norm()).fold(0.0, f64::max);
+    let tilt = poses.iter().map(|p| home.motion_to(p).rows(3, 3).norm()).fold(0.0, f64::max);
     let of_poses = match spread {
-        s if s > 0.0 && s < 0.1 * size => round_up(0.5 * SPREAD * size / s),
+        s if s > 0.0 && s < 0.1 * size => {
+            round_up(0.2 * SPREAD * size / s).min(round_up(0.2 * TILT / tilt.max(1e-9))).max(1.0)
+        }
         _ => 1.0,
     };
     if of_poses > 1.0 {
-        notes.push(format!("Distances of the poses from home are drawn {} times as large.", three_digits(of_poses)));
+        notes.push(format!(
+            "Distances and tilts of the poses from home are drawn {} times as large.",
+            three_digits(of_poses)
+        ));
     }
     let drawn = |pose: &Pose| {
         let motion = home.motion_to(pose);
-        home.moved(&(motion * of_poses.min(1.0 / motion.rows(3, 3).norm().max(1e-9))))
+        home.moved(&(motion * of_poses))
     };
     let mut scene = Scene {
         title: match errors {
@@ -106,7 +115,7 @@ pub(in crate::report::html) fn drawing(
         if largest > 0.0 {
             let magnified = round_up(0.4 * ARROW * size / largest);
             notes.push(format!(
-                "Arrows are {} times as long as the errors, the longest of which is {}.",
+                "Arrows are {} times as long as the errors at the centre of the platform, the longest of which is {}.",
                 three_digits(magnified),
                 show_length(largest)
             ));

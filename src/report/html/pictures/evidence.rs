@@ -49,6 +49,10 @@ pub(in crate::report::html) fn gain(d: &Diagnosis) -> Figure {
             ..Panel::default()
         }
     };
+    let panels = [
+        panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, MICROMETRES),
+        panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
+    ];
     Figure {
         title: "Error on rows that were not fitted".into(),
         description:
@@ -56,10 +60,7 @@ pub(in crate::report::html) fn gain(d: &Diagnosis) -> Figure {
                       beside the stated noise."
                 .into(),
         columns: 2,
-        panels: vec![
-            panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, MICROMETRES),
-            panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
-        ],
+        panels: panels.into_iter().filter(|p| !p.series[0].points.is_empty()).collect(),
     }
 }
 

@@ -12,7 +12,7 @@ const BINS: [usize; 2] = [9, 31];
 const CURVE: usize = 61;
 
 /// Components of the residual of each model, beside the curve of the stated noise (σ of a component, m and rad).
-pub(in crate::report::html) fn histograms(models: &[&Seen], noise: Option<[f64; 2]>) -> Figure {
+pub(in crate::report::html) fn histograms(models: &[&Seen], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
         let kinds = [
@@ -20,7 +20,7 @@ pub(in crate::report::html) fn histograms(models: &[&Seen], noise: Option<[f64; 
             (RowKind::Rotation, "angle component (arcsec)", ARCSECONDS, 1),
         ];
         for (kind, label, unit, k) in kinds {
-            let readings = model.deviations.iter().flat_map(|d| &d.readings);
+            let readings = model.deviations.iter().filter(|d| !gross.contains(&d.row)).flat_map(|d| &d.readings);
             let values: Vec<f64> =
                 readings.filter(|(of, v)| *of == kind && v.is_finite()).map(|(_, v)| unit * v).collect();
             if !values.is_empty() {
@@ -32,7 +32,7 @@ pub(in crate::report::html) fn histograms(models: &[&Seen], noise: Option<[f64; 
         title: "What is left, beside the noise".into(),
         description:
             "Histograms of the components of measured minus predicted for each model, with the curve that the \
-                      stated noise alone would give where it is not too narrow to be seen."
+                      stated noise alone would give where it is not too narrow to be seen; gross rows are left out."
                 .into(),
         columns: 2,
         panels,

@@ -10,7 +10,7 @@ use crate::units::{show_angle, show_length};
 const PLANES: [[(&str, usize); 2]; 3] = [[("x", 0), ("y", 1)], [("x", 0), ("z", 2)], [("rx", 3), ("ry", 4)]];
 
 /// The error of each sample as a circle at its pose, in three planes of the workspace; a row of maps for each model.
-pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConvention) -> Figure {
+pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConvention, gross: &[usize]) -> Figure {
     let measured = models.first().is_some_and(|m| m.errors.samples.iter().any(|s| s.position.is_some()));
     let of = |s: &PoseErrors| if measured { s.position } else { s.rotation };
     let (unit, show): (f64, fn(f64) -> String) =
@@ -24,7 +24,10 @@ pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConventio
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
         let sizes: Vec<f64> = model.errors.samples.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect();
-        let largest = sizes.iter().copied().filter(|s| s.is_finite()).fold(0.0, f64::max);
+        // One gross row would shrink all others to points.
+        let rows = model.errors.samples.iter().zip(&sizes);
+        let usual = rows.filter(|(s, size)| size.is_finite() && !gross.contains(&s.row)).map(|(_, size)| *size);
+        let largest = usual.fold(0.0, f64::max);
         let coordinates = poses(model);
         for plane in &planes {
             let points = coordinates.iter().map(|q| plane.map(|(_, k)| q[k])).collect();
@@ -34,7 +37,12 @@ pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConventio
                 x: Axis::linear(label(plane[0])),
                 y: Axis::linear(label(plane[1])),
                 series: vec![Series::new(
-                    format!("{}; the largest circle is {}", model.name, show(largest)),
+                    format!(
+                        "{}; the largest circle is {}{}",
+                        model.name,
+                        show(largest),
+                        if gross.is_empty() { "" } else { " or a gross error" }
+                    ),
                     colour,
                     shape,
                     points,

@@ -27,11 +27,14 @@ pub(super) use evidence::{added_variable, gain, sizes};
 pub(super) use histograms::histograms;
 pub(super) use maps::maps;
 pub(super) use parameters::{correlation, deviations};
-pub(super) use strips::{Layer, strips};
+pub(super) use strips::{Layer, gross, strips};
 
 use crate::identification::{Deviation, IdentifyError, ModelErrors, evaluate};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
+
+/// What rows that look like gross errors are called in legends.
+const GROSS: &str = "looks like a gross error";
 
 /// Micrometres in a metre.
 const MICROMETRES: f64 = 1e6;
@@ -62,6 +65,11 @@ impl Seen {
     ) -> Result<Self, IdentifyError> {
         let deviations = crate::identification::deviations(mechanism, own, data)?;
         Ok(Self { name: name.into(), errors: evaluate(mechanism, own, data)?, deviations })
+    }
+
+    /// Data row and deviation of each joint, SI.
+    pub(super) fn in_joints(&self) -> Vec<(usize, &[f64])> {
+        self.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{ARCSECONDS, MICROMETRES};
+use super::{ARCSECONDS, GROSS, MICROMETRES};
 use crate::measurement::{Dataset, Sample};
 use crate::mechanism::JointSpec;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
@@ -20,7 +20,7 @@ pub(in crate::report::html) struct Layer<'a> {
 
 /// Something over which residuals are drawn.
 struct Against {
-    title: &'static str,
+    title: String,
     label: String,
     /// Of a sample at a leg, in the unit of the label.
     of: Get,
@@ -30,21 +30,29 @@ struct Against {
 type Get = Box<dyn Fn(&Sample, usize) -> Option<f64>>;
 
 /// A figure with a strip for each leg, for the row or time, the joint, temperature, elevation and payload, as far as they
-/// change. `marked` are data rows that look like gross errors.
+/// change, and for `further` covariates. `marked` are data rows that look like gross errors.
 pub(in crate::report::html) fn strips(
     data: &Dataset,
     joints: &[JointSpec],
     layers: &[Layer<'_>],
     marked: &[usize],
+    further: &[&str],
 ) -> Vec<Figure> {
     let samples: BTreeMap<usize, &Sample> = data.iter().map(|s| (s.row, s)).collect();
     let changes = |against: &Against| {
-        let values = data.iter().filter_map(|s| (against.of)(s, 0));
+        let values = (0..joints.len()).flat_map(|leg| data.iter().filter_map(move |s| (against.of)(s, leg)));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         high - low > 1e-9 * low.abs().max(high.abs())
     };
+    let named = |name: &&str| {
+        let wanted = (*name).to_owned();
+        let of: Get = Box::new(move |s, _| s.conditions.get(&wanted));
+        Against { title: (*name).to_owned(), label: format!("{name} (SI)"), of }
+    };
+    let known = |name: &&&str| !matches!(**name, "time" | "elevation" | "payload");
     all(data, joints)
         .into_iter()
+        .chain(further.iter().filter(known).map(named))
         .filter(changes)
         .map(|against| {
             let panel = |(leg, joint): (usize, &JointSpec)| {
@@ -62,7 +70,7 @@ pub(in crate::report::html) fn strips(
                     series.push(Series { plain: true, ..Series::new(layer.name, layer.colour, Shape::Dots, points) });
                 }
                 if !marked.is_empty() {
-                    series.push(Series::new("looks like a gross error", 1, Shape::Dots, gross));
+                    series.push(Series::new(GROSS, 1, Shape::Dots, gross));
                 }
                 Panel {
                     title: joint.name.clone(),
@@ -100,30 +108,67 @@ fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
         |name: &'static str, per_si: f64| move |s: &Sample, _: usize| s.conditions.get(name).map(|v| per_si * v);
     let timed = data.iter().all(|s| s.conditions.get("time").is_some());
     let first = match timed {
-        true => Against { title: "time", label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) },
-        false => Against { title: "the data row", label: "data row".into(), of: Box::new(|s, _| Some(s.row as f64)) },
+        true => {
+            Against { title: "time".into(), label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) }
+        }
+        false => {
+            Against { title: "the data row".into(), label: "data row".into(), of: Box::new(|s, _| Some(s.row as f64)) }
+        }
     };
     let of_joint = joints.first().map_or(Dimension::None, |j| j.dimension);
     let (joint_unit, per_si) = of_joint.in_tables();
     let alike = joints.iter().all(|j| j.dimension == of_joint);
     let joint = Against {
-        title: if of_joint == Dimension::Length { "the length of the leg" } else { "the joint" },
+        title: if of_joint == Dimension::Length { "the length of the leg" } else { "the joint" }.into(),
         label: if alike { format!("{} ({joint_unit})", of_joint.noun()) } else { "joint (SI)".into() },
         of: Box::new(move |s, leg| Some(if alike { per_si } else { 1.0 } * s.joints.get(leg)?)),
     };
     let temperature = Against {
-        title: "the temperature of the leg",
+        title: "the temperature of the leg".into(),
         label: "temperature (°C)".into(),
         of: Box::new(|s, leg| {
-            s.conditions.get(&format!("temp_leg{}", leg + 1)).or_else(|| s.conditions.leg_temperature())
+            s.conditions.get(&format!("temp_leg{}", leg + 1)).or_else(|| s.conditions.get("temp_legs"))
         }),
     };
     let elevation = Against {
-        title: "the elevation",
+        title: "the elevation".into(),
         label: "elevation (deg)".into(),
         of: Box::new(recorded("elevation", 180.0 / std::f64::consts::PI)),
     };
     let payload =
-        Against { title: "the payload", label: "payload (kg)".into(), of: Box::new(recorded("payload", 1.0)) };
+        Against { title: "the payload".into(), label: "payload (kg)".into(), of: Box::new(recorded("payload", 1.0)) };
     vec![first, joint, temperature, elevation, payload]
+}
+
+/// Rows beyond this many robust σ of a leg look like gross errors.
+const FAR: f64 = 8.0;
+
+/// Rows of which a joint lies far from the others of its leg.
+pub(in crate::report::html) fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
+    let joints = residuals.first().map_or(0, |(_, r)| r.len());
+    let mut rows = Vec::new();
+    for joint in 0..joints {
+        let mut sizes: Vec<f64> = residuals.iter().map(|(_, r)| r[joint].abs()).filter(|v| v.is_finite()).collect();
+        sizes.sort_by(f64::total_cmp);
+        // The median of the sizes of normal noise is 0.6745 sigma.
+        let Some(sigma) = sizes.get(sizes.len() / 2).map(|m| m / 0.6745).filter(|s| *s > 0.0) else { continue };
+        let far = residuals.iter().filter(|(_, r)| r[joint].abs() > FAR * sigma);
+        rows.extend(far.map(|(row, _)| *row));
+    }
+    rows.sort_unstable();
+    rows.dedup();
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gross;
+
+    #[test]
+    fn a_row_far_from_its_neighbours_is_marked() {
+        let mut values: Vec<Vec<f64>> = (0..40).map(|k| vec![f64::from(k % 5 - 2), f64::from(k % 3 - 1)]).collect();
+        values[7][1] = -30.0;
+        let residuals: Vec<(usize, &[f64])> = values.iter().enumerate().map(|(k, v)| (k + 100, v.as_slice())).collect();
+        assert_eq!(gross(&residuals), [107]);
+    }
 }
