@@ -139,7 +139,7 @@ impl Page {
             @if !self.numbers.is_empty() {
                 dl.numbers { @for (name, value) in &self.numbers { div { dt { (name) } dd { (value) } } } }
             }
-            @for paragraph in &self.lead { p { (sentence(paragraph)) } }
+            @for paragraph in &self.lead { p { (with_code(&sentence(paragraph))) } }
             @for section in self.sections.iter().filter(|s| !s.parts.is_empty()) {
                 section id=(section.id) {
                     h2 { (section.title) }
@@ -158,6 +158,13 @@ impl Page {
         };
         shell(&self.title, &body)
     }
+}
+
+/// A sentence with what stands between backticks as code.
+fn with_code(text: &str) -> Markup {
+    html! { @for (k, part) in text.split('`').enumerate() {
+        @if k % 2 == 1 { code { (part) } } @else { (part) }
+    } }
 }
 
 /// A remark as a sentence.
@@ -198,7 +205,7 @@ mod tests {
             verdict: "a < b".into(),
             tone: Tone::Mind,
             numbers: vec![("<u>".into(), "1".into())],
-            lead: vec!["<script>".into()],
+            lead: vec!["<script> `paracal <x>`".into()],
             sections: vec![Section {
                 id: "s",
                 title: "S",
@@ -218,6 +225,7 @@ mod tests {
                 && !html.contains("<x>")
                 && html.contains("a &lt; b")
         );
+        assert!(html.contains("<code>paracal &lt;x&gt;</code>"));
         assert!(html.contains("s0") && html.contains("s1"));
     }
 }
