@@ -2,7 +2,7 @@
 //! must be seen is seen.
 //!
 //! 20,000 damaged robots and 20,000 damaged side files; `PARACAL_MUTATIONS` and `PARACAL_SEED` ask for others. The longest that has been
-//! run is 40,000 damaged robots with seed 1.
+//! run is 80,000 damaged robots and as many side files with seed 2 (304 s).
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
