@@ -1,7 +1,7 @@
 //! Errors of a model on measured data; nothing is fitted.
 
-use super::IdentifyError;
 use super::problem::{own_start, pose_from_home};
+use super::{Deviation, IdentifyError};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::Mechanism;
 use crate::pose::Pose;
@@ -16,6 +16,17 @@ pub struct PoseErrors {
     pub position: Option<f64>,
     /// Length of the vector of angle errors, rad; `None` if no angle was measured.
     pub rotation: Option<f64>,
+}
+
+impl PoseErrors {
+    /// From the rows of a reading, predicted minus measured or the other way round.
+    fn of(row: usize, readings: &[(RowKind, f64)]) -> Self {
+        let sum = |kind: RowKind| {
+            let squares: Vec<f64> = readings.iter().filter(|(k, _)| *k == kind).map(|(_, r)| r * r).collect();
+            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
+        };
+        Self { row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
+    }
 }
 
 /// One number for position and one for rotation, over samples.
@@ -35,6 +46,11 @@ pub struct ModelErrors {
 }
 
 impl ModelErrors {
+    /// The lengths of deviations.
+    pub fn of(deviations: &[Deviation]) -> Self {
+        Self { samples: deviations.iter().map(|d| PoseErrors::of(d.row, &d.readings)).collect() }
+    }
+
     fn over(&self, f: impl Fn(&[f64]) -> f64) -> ErrorSummary {
         let collect = |get: fn(&PoseErrors) -> Option<f64>| {
             let values: Vec<f64> = self.samples.iter().filter_map(get).collect();
@@ -68,13 +84,8 @@ impl ModelErrors {
 /// [`IdentifyError::Sample`] if a sample has no pose.
 pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
     let samples = each_sample(mechanism, own, data, |k, _, rows| {
-        let kinds = data.rows(k);
-        let sum = |kind: RowKind| {
-            let squares: Vec<f64> =
-                kinds.iter().zip(rows.residual.iter()).filter(|(k, _)| **k == kind).map(|(_, r)| r * r).collect();
-            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
-        };
-        PoseErrors { row: data.sample(k).row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
+        let readings: Vec<(RowKind, f64)> = data.rows(k).into_iter().zip(rows.residual.iter().copied()).collect();
+        PoseErrors::of(data.sample(k).row, &readings)
     })?;
     Ok(ModelErrors { samples })
 }

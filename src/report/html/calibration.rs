@@ -1,9 +1,7 @@
 //! The page of `calibrate`.
 
-use super::page::{Page, Part, Section, Tone};
-use super::pictures::{
-    Displacements, Layer, Seen, by_row, correlation, deviations, drawing, gross, histograms, maps, strips,
-};
+use super::page::{Page, Part, Section, Tone, known};
+use super::pictures::{Layer, Seen, correlation, deviations, gross, strips};
 use super::{Measured, Subject};
 use crate::identification::{Calibration, ModelErrors, PoseErrors};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
@@ -24,25 +22,14 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
         (false, _) => ("The result must not be trusted", Tone::Bad),
     };
-    let models: Vec<&Seen> = measured.models.iter().collect();
-    let residuals = models.first().map(|m| m.in_joints()).unwrap_or_default();
+    let residuals = measured.models.first().map(Seen::in_joints).unwrap_or_default();
     let mut marked = gross(&residuals);
     marked.extend(&found.outliers);
     marked.sort_unstable();
     marked.dedup();
-    let noise = measured.noise(subject.noise);
-    let mut errors = vec![
-        Part::picture(by_row(&models, noise, &marked)),
-        Part::picture(maps(&models, subject.convention, &marked)),
-        Part::picture(histograms(&models, noise, &marked)),
-    ];
-    for seen in &models {
-        let poses: Vec<_> = seen.deviations.iter().map(|d| d.pose).collect();
-        let arrows = Displacements::of(seen, subject.mechanism, &marked);
-        errors.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
-    }
+    let errors = measured.pictures(subject, &marked);
     let mut sections = vec![Section { id: "errors", title: "Where it was wrong, and what is left", parts: errors }];
-    if let Some(calibrated) = models.first() {
+    if let Some(calibrated) = measured.models.first() {
         let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
         let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
         let parts = strips.into_iter().map(Part::picture).collect();
@@ -62,25 +49,20 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
     sections.push(Section { id: "convergence", title: "Convergence", parts: vec![Part::picture(convergence(c))] });
     sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(printed.to_owned())] });
     let mut lead: Vec<String> = c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect();
-    if !c.verdict.trusted {
-        lead.push(format!("What to do: {}", text::WHAT_IS_WRONG));
-    } else {
-        lead.push(format!("What to do: {NEXT}"));
-    }
-    let lead = subject.lead(lead);
+    lead.push(format!("What to do: {}", if c.verdict.trusted { NEXT } else { text::WHAT_IS_WRONG }));
     Page {
         title: format!("{}: calibration", c.mechanism.name()),
         verdict: format!("{verdict}. {summary}"),
         tone,
-        numbers: numbers(c, &models, &marked),
-        lead,
+        numbers: numbers(c, measured.models, &marked),
+        lead: subject.lead(lead),
         sections,
         settings: subject.settings.clone(),
     }
 }
 
 /// The numbers of the first screen, without gross rows.
-fn numbers(c: &Calibration, models: &[&Seen], marked: &[usize]) -> Vec<(String, String)> {
+fn numbers(c: &Calibration, models: &[Seen], marked: &[usize]) -> Vec<(String, String)> {
     let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
     let rms = |k: usize| {
         let usual = |s: &&PoseErrors| !marked.contains(&s.row);
@@ -100,7 +82,7 @@ fn numbers(c: &Calibration, models: &[&Seen], marked: &[usize]) -> Vec<(String, 
         ("angle error predicted in the workspace", c.predicted.map(|p| show_angle(p.rotation_rms))),
         ("rows that look like gross errors, left out of these numbers", (!rows.is_empty()).then(|| shortened(&rows))),
     ];
-    numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+    known(numbers)
 }
 
 fn convergence(c: &Calibration) -> Figure {

@@ -1,7 +1,7 @@
 //! The page of `diagnose`.
 
 use super::Subject;
-use super::page::{Page, Part, Section, Tone};
+use super::page::{Page, Part, Section, Tone, known};
 use super::pictures::{Layer, added_variable, drawing, gain, sizes, strips};
 use crate::diagnosis::{Cause, Diagnosis, Plan, Rival, Verdict};
 use crate::measurement::Dataset;
@@ -23,14 +23,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Da
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
     } else if matches!(d.verdict, Verdict::Tied | Verdict::Unknown) {
-        lead.push(match d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) {
-            Some((unknown, covariate)) => {
-                let leg = unknown.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
-                let other = unknown.runner_up.as_ref().map_or_else(String::new, |r| format!("; {r} explains it nearly as well"));
-                format!("What to do: look at what changes with {covariate}{leg}{other}, and measure over a wider range of it.")
-            }
-            None => "What to do: record more of what may have changed and measure again.".into(),
-        });
+        lead.push(what_of_unknown(d));
     }
     let mut sections = Vec::new();
     if !d.causes.is_empty() && (d.gain.position_before.is_some() || d.gain.rotation_before.is_some()) {
@@ -85,6 +78,17 @@ pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Da
     }
 }
 
+/// What to do where something is left without a name.
+fn what_of_unknown(d: &Diagnosis) -> String {
+    let Some((unknown, covariate)) = d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) else {
+        return "What to do: record more of what may have changed and measure again.".into();
+    };
+    let leg = unknown.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
+    let other = unknown.runner_up.as_ref();
+    let other = other.map_or_else(String::new, |r| format!("; {r} explains it nearly as well"));
+    format!("What to do: look at what changes with {covariate}{leg}{other}, and measure over a wider range of it.")
+}
+
 fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
     let (g, named) = (&d.gain, !d.causes.is_empty());
     let rows = [
@@ -94,7 +98,7 @@ fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
         ("the same with the causes", g.rotation_after.filter(|_| named).map(show_angle)),
         ("noise over the stated one", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
     ];
-    rows.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+    known(rows)
 }
 
 /// Residuals of each leg without causes and with them.

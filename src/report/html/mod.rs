@@ -20,9 +20,11 @@ pub use page::{Page, Part, Section, Tone};
 pub use pictures::Seen;
 pub use selection::selection;
 
+use pictures::{Displacements, by_row, drawing, histograms, maps};
+
 use crate::measurement::{Dataset, RowKind};
 use crate::mechanism::Mechanism;
-use crate::pose::PoseConvention;
+use crate::pose::{Pose, PoseConvention};
 
 /// What a page is about.
 #[derive(Clone, Debug)]
@@ -52,6 +54,23 @@ impl Subject<'_> {
 }
 
 impl Measured<'_> {
+    /// Where the models are wrong and by how much; `marked` rows look like gross errors.
+    fn pictures(&self, subject: &Subject<'_>, marked: &[usize]) -> Vec<Part> {
+        let models: Vec<&Seen> = self.models.iter().collect();
+        let noise = self.noise(subject.noise);
+        let mut pictures = vec![
+            Part::picture(by_row(&models, noise, marked)),
+            Part::picture(maps(&models, subject.convention, marked)),
+            Part::picture(histograms(&models, noise, marked)),
+        ];
+        for seen in models {
+            let poses: Vec<Pose> = seen.deviations.iter().map(|d| d.pose).collect();
+            let arrows = Displacements::of(seen, subject.mechanism, marked);
+            pictures.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
+        }
+        pictures
+    }
+
     /// The noise of one component, where every reading has just the one that is stated.
     fn noise(&self, stated: Option<[f64; 2]>) -> Option<[f64; 2]> {
         let stated = stated?;

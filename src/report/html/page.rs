@@ -59,6 +59,11 @@ pub struct Page {
     pub settings: Vec<(String, String)>,
 }
 
+/// The numbers that have a value.
+pub(super) fn known<const N: usize>(numbers: [(&str, Option<String>); N]) -> Vec<(String, String)> {
+    numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+}
+
 /// A part of a page with a heading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {

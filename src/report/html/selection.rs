@@ -1,7 +1,7 @@
 //! The page of `select`.
 
 use super::Subject;
-use super::page::{Page, Part, Section, Tone};
+use super::page::{Page, Part, Section, Tone, known};
 use super::pictures::{coverage, drawing, how_many, trace};
 use crate::report::text::{self, Selection};
 use crate::units::{show_angle, show_length, three_digits};
@@ -12,11 +12,11 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
     let forecast = r.forecast.as_ref().map(|f| f.error);
     let efficiency = r.efficiency.map(|e| format!("{:.2} %", 100.0 * e));
     let numbers = [
-        ("poses".to_owned(), Some(r.poses.len().to_string())),
-        (r.index.clone(), Some(three_digits(r.value))),
-        ("certified efficiency".into(), efficiency.clone()),
-        ("predicted position error, RMS".into(), forecast.map(|e| show_length(e.position_rms))),
-        ("predicted angle error, RMS".into(), forecast.map(|e| show_angle(e.rotation_rms))),
+        ("poses", Some(r.poses.len().to_string())),
+        (r.index.as_str(), Some(three_digits(r.value))),
+        ("certified efficiency", efficiency.clone()),
+        ("predicted position error, RMS", forecast.map(|e| show_length(e.position_rms))),
+        ("predicted angle error, RMS", forecast.map(|e| show_angle(e.rotation_rms))),
     ];
     let sure = match &efficiency {
         Some(e) => {
@@ -45,7 +45,7 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
         title: format!("{}: poses to measure", s.title),
         verdict: format!("Measure the {} poses of {}: {sure}.", r.poses.len() - s.given, s.file),
         tone: if good { Tone::Good } else { Tone::Mind },
-        numbers: numbers.into_iter().filter_map(|(name, value)| Some((name, value?))).collect(),
+        numbers: known(numbers),
         lead: subject.lead(vec![format!("What to do: measure the poses of {}, then `paracal calibrate`.", s.file)]),
         sections,
         settings: subject.settings.clone(),

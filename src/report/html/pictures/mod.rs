@@ -29,7 +29,7 @@ pub(super) use maps::maps;
 pub(super) use parameters::{correlation, deviations};
 pub(super) use strips::{Layer, gross, strips};
 
-use crate::identification::{Deviation, IdentifyError, ModelErrors, evaluate};
+use crate::identification::{Deviation, IdentifyError, ModelErrors};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 
@@ -53,7 +53,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// The data through a mechanism, with the measurement's own parameters `own` as for [`evaluate`].
+    /// The data through a mechanism, with the measurement's own parameters `own` as for
+    /// [`deviations`](crate::identification::deviations).
     ///
     /// # Errors
     /// [`IdentifyError::Sample`] if a sample has no pose.
@@ -64,7 +65,7 @@ impl Seen {
         data: &Dataset,
     ) -> Result<Self, IdentifyError> {
         let deviations = crate::identification::deviations(mechanism, own, data)?;
-        Ok(Self { name: name.into(), errors: evaluate(mechanism, own, data)?, deviations })
+        Ok(Self { name: name.into(), errors: ModelErrors::of(&deviations), deviations })
     }
 
     /// Data row and deviation of each joint, SI.

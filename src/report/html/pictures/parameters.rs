@@ -37,8 +37,10 @@ pub(in crate::report::html) fn deviations(parameters: &[Estimate]) -> Option<Fig
     };
     Some(Figure {
         title: "Deviations of the parameters that are lengths".into(),
-        description: "Deviation of each length among the parameters from the mechanism file with its uncertainty, beside the tolerance."
-            .into(),
+        description:
+            "Deviation of each length among the parameters from the mechanism file with its uncertainty, beside the \
+                      tolerance."
+                .into(),
         columns: 1,
         panels: vec![panel],
     })
