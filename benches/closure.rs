@@ -4,7 +4,7 @@
 mod common;
 // The mechanism that the tests compare with the closed form, too.
 #[allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
-#[path = "../tests/common/kinds.rs"]
+#[path = "../tests/it/common/kinds.rs"]
 mod kinds;
 
 use std::error::Error;

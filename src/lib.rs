@@ -72,6 +72,9 @@
 //!
 //! Feature `cli` (on by default) builds the program `paracal`; switch it off to pay for no command-line crate.
 
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod conditions;
 #[cfg(feature = "conformance")]
 pub mod conformance;

@@ -1,13 +1,13 @@
 //! An examination of the diagnosis: blind cases in, tables of rates with their 95 % intervals out.
 //!
 //! Something is hidden in each case by a generator that shares no equation with the library
-//! (`tests/common/hidden`). The program sees two files and nothing else, and what it says is compared with the truth.
+//! (`tests/it/common/hidden`). The program sees two files and nothing else, and what it says is compared with the truth.
 //!
 //! Run with `cargo run --release --example examination`, which takes some minutes, or with
 //! `-- --only null --trials 1000 --seed 7 --verbose`. `--limits` prints the detection limits of the generator,
 //! `--noise-known` takes the stated noise at its word, `--keep FOLDER` leaves the files there. The same seed gives the same tables on any number of threads.
 
-#[path = "../../tests/common/hidden/mod.rs"]
+#[path = "../../tests/it/common/hidden/mod.rs"]
 mod hidden;
 mod marks;
 mod rows;

@@ -28,42 +28,24 @@
 //! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
 //! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
 
-mod asked;
-mod assignment;
-mod covariates;
-mod design;
+mod answer;
 mod error;
-mod evidence;
-mod explore;
-mod findings;
-mod gain;
-mod joint_functions;
-mod limits;
-mod model;
-mod noise;
-mod outliers;
+mod linear;
+mod planning;
 mod preflight;
-mod readings;
-mod remainder;
-mod result;
-mod scenarios;
 mod search;
-mod settle;
-mod statistics;
-mod subject;
-mod table;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-pub use design::{detection_limits, planned};
-pub use error::DiagnoseError;
-pub use result::{
+pub use answer::result::{
     AddedVariable, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound, NotTestable,
     Rival, Unknown, Verdict,
 };
+pub use error::DiagnoseError;
+pub use planning::design::{detection_limits, planned};
 
-pub use settle::{Plan, Separation, TOLD_APART, settle};
+pub use planning::settle::{Plan, Separation, TOLD_APART, settle};
 
 use crate::effect::{Effect, Surroundings};
 use crate::identification::{ErrorSummary, Prior, register};
@@ -71,8 +53,8 @@ use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
 use crate::units::shortened;
-use explore::Explorer;
-use subject::Subject;
+use linear::hypotheses::Subject;
+use search::iteration::Explorer;
 
 /// Tolerances by which parameters may differ from the drawing.
 const TOLERANCES: f64 = 2.0;
@@ -110,7 +92,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     }
     let convention = &convention;
     let prior = Prior::wide(mechanism, TOLERANCES);
-    if let Some(misread) = preflight::preflight(mechanism, data, convention, &prior) {
+    if let Some(misread) = preflight::compare::preflight(mechanism, data, convention, &prior) {
         return Ok(misread_file(data, misread));
     }
     let (data, gaps) = complete_rows(data);
@@ -136,7 +118,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         subject.sample_spreads = spreads;
         explored = Explorer { subject: &subject, known }.explore_with_care()?;
     }
-    let mut found = findings::findings(question, &subject, &explored, missing, &registration, noise)?;
+    let mut found = answer::findings::findings(question, &subject, &explored, missing, &registration, noise)?;
     found.warnings.extend(gaps);
     Ok(found)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::setting::Home;
+use super::context::Home;
 use super::{Acts, Effect, EffectParameter, Perturbation, ScanPoint, Setting, Site, Surroundings};
 use crate::conditions::Conditions;
 use crate::mechanism::{

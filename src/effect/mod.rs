@@ -25,23 +25,23 @@
 
 pub mod catalogue;
 mod compensator;
+mod context;
 mod extended;
+mod instrument;
 mod needs;
 mod perturbation;
 mod scan;
-mod seen_through;
-mod setting;
 
 use std::fmt::Debug;
 
 pub use catalogue::{catalogue, effect};
 pub use compensator::{Compensated, Compensator, Extrapolated};
+pub use context::{Recorded, Sensor, Setting, Site, Surroundings};
 pub(crate) use extended::label;
 pub use extended::{ActiveEffect, Extended, effects_of, without_effects};
+pub use instrument::{SeenThrough, seen, to_be_seen_at};
 pub use perturbation::Perturbation;
 pub use scan::{Scan, ScanPoint};
-pub use seen_through::{SeenThrough, seen, to_be_seen_at};
-pub use setting::{Recorded, Sensor, Setting, Site, Surroundings};
 
 use crate::units::Dimension;
 

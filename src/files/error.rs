@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::urdf::{Finding, findings_text};
+use crate::files::urdf::{Finding, findings_text};
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 

@@ -6,13 +6,15 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::document::{HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection};
-use super::error::{FileError, read_text};
-use super::kinds::{self, Parts, parts};
-use super::mechanism_reader::{Reader, build};
-use super::plane::{PlaneSection, carried};
-use super::urdf::{self, UrdfOptions};
 use crate::effect::{ActiveEffect, Surroundings, effects_of, without_effects};
+use crate::files::error::{FileError, read_text};
+use crate::files::mechanism::document::{
+    HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection,
+};
+use crate::files::mechanism::kinds::{self, Parts, parts};
+use crate::files::mechanism::plane::{PlaneSection, carried};
+use crate::files::mechanism::read::{Reader, build};
+use crate::files::urdf::{self, UrdfOptions};
 use crate::measurement::{Contact, Frames, Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};

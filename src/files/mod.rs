@@ -7,41 +7,25 @@
 //!
 //! Errors name the file, the place in it, the value and what to do ([`FileError`]).
 
-mod column;
-mod document;
-mod effects;
 mod error;
-mod extension;
-mod joint_columns;
-mod kinds;
 mod machine;
-mod measurement_file;
-mod mechanism_reader;
+mod mechanism;
 mod outputs;
-mod plane;
-mod planned;
-mod pose_file;
-mod positioner;
 mod questions;
-mod readings;
-mod states;
-mod surroundings;
 mod table;
-mod time;
 mod urdf;
-mod writer;
 
-pub use document::{
+pub use error::FileError;
+pub use machine::Machine;
+pub use mechanism::document::{
     ActuatorSection, CableEntry, HomeSection, LegEntry, MechanismDocument, MountingSection, NoiseSection,
     PlatformSection, TargetEntry, ToleranceSection, WorkspaceSection,
 };
-pub use error::FileError;
-pub use extension::{EffectEntry, OffsetSection, SensorEntry};
-pub use machine::Machine;
-pub use measurement_file::{Measurement, read_measurement};
+pub use mechanism::entries::{EffectEntry, OffsetSection, SensorEntry};
+pub use mechanism::plane::PlaneSection;
 pub use outputs::Outputs;
-pub use plane::PlaneSection;
-pub use planned::{PlannedConditions, read_conditions};
-pub use pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
+pub use table::measurement_file::{Measurement, read_measurement};
+pub use table::planned::{PlannedConditions, read_conditions};
+pub use table::pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
+pub use table::writer::{CsvTable, number};
 pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
-pub use writer::{CsvTable, number};

@@ -1,10 +1,10 @@
 //! From a machine and its data to a question for the diagnosis, and from its answer to an extended machine.
 
-use super::document::MechanismDocument;
-use super::error::FileError;
-use super::machine::Machine;
 use crate::diagnosis::{Cause, Diagnosis, Question};
 use crate::effect::{ActiveEffect, catalogue};
+use crate::files::error::FileError;
+use crate::files::machine::Machine;
+use crate::files::mechanism::document::MechanismDocument;
 use crate::measurement::{Dataset, Frames};
 
 impl Machine {

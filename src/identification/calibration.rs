@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, Vector3};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-use super::errors_of_model::{ErrorSummary, evaluate};
-use super::held_out::held_out;
-use super::prediction::predicted_errors;
-use super::verdict::{Verdict, judge, with_warnings};
-use super::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
-use super::{
+use crate::identification::judgement::held_out::held_out;
+use crate::identification::judgement::model_errors::{ErrorSummary, evaluate};
+use crate::identification::judgement::prediction::predicted_errors;
+use crate::identification::judgement::verdict::{Verdict, judge, with_warnings};
+use crate::identification::judgement::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
+use crate::identification::{
     Convention, Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
     Registration, Task, Weights, frames_differ, plausibility, register,
 };

@@ -63,7 +63,7 @@ pub enum IdentifyError {
         /// What the solver says.
         cause: SolveError,
         /// Where the iteration stood.
-        last: Box<super::Identification>,
+        last: Box<crate::identification::Identification>,
     },
     /// The iteration failed.
     #[error(transparent)]

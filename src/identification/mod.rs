@@ -24,40 +24,30 @@
 //! target sits, six leg offsets. They are identified like any other, reported, and not judged.
 
 mod calibration;
-mod deviations;
 mod error;
-mod errors_of_model;
-mod held_out;
-mod identifiers;
-mod misfit;
-mod plausibility;
-mod prediction;
-mod prior;
+mod estimators;
+mod judgement;
 mod problem;
-mod redundancy;
 mod registration;
-mod result;
-mod robust;
-mod verdict;
-mod weak_directions;
-mod whitening;
 
 pub use calibration::{Calibration, CalibrationOptions, calibrate};
-pub use deviations::{Deviation, deviations};
 pub use error::IdentifyError;
-pub use errors_of_model::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
-pub use held_out::{HeldOut, Holdout};
-pub use identifiers::{IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, choose_prior, identifier};
-pub use misfit::Misfit;
-pub use plausibility::{Implausible, Plausibility, plausibility};
-pub use prediction::{pose_covariance, predicted_errors};
-pub use prior::{Convention, Prior, PriorPolicy, frames_differ};
-pub use problem::{CalibrationProblem, Weights};
+pub use estimators::identification::{Estimate, Identification};
+pub use estimators::identifiers::{
+    IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, choose_prior, identifier,
+};
+pub use estimators::robust::{Loss, Robust};
+pub use judgement::deviations::{Deviation, deviations};
+pub use judgement::goodness_of_fit::Misfit;
+pub use judgement::held_out::{HeldOut, Holdout};
+pub use judgement::model_errors::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
+pub use judgement::plausibility::{Implausible, Plausibility, plausibility};
+pub use judgement::prediction::{pose_covariance, predicted_errors};
+pub use judgement::verdict::Verdict;
+pub use judgement::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
+pub use problem::calibration_problem::{CalibrationProblem, Weights};
+pub use problem::prior::{Convention, Prior, PriorPolicy, frames_differ};
 pub use registration::{Registration, register};
-pub use result::{Estimate, Identification};
-pub use robust::{Loss, Robust};
-pub use verdict::Verdict;
-pub use weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;

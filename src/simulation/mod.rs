@@ -18,7 +18,7 @@
 mod generator;
 mod journal;
 mod monte_carlo;
-mod running;
+mod running_stats;
 mod trial;
 
 pub use generator::{
@@ -26,5 +26,5 @@ pub use generator::{
 };
 pub use journal::{Journal, JournalError};
 pub use monte_carlo::{monte_carlo, stream, summarise};
-pub use running::Running;
+pub use running_stats::Running;
 pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

@@ -24,8 +24,8 @@ mod gauss_newton;
 mod least_squares;
 mod levenberg_marquardt;
 mod linear;
+mod minimum_norm;
 mod newton;
-mod shortest;
 mod state;
 
 pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
@@ -36,5 +36,5 @@ pub use least_squares::{
 };
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
+pub(crate) use minimum_norm::shortest_solution;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
-pub(crate) use shortest::shortest_solution;

@@ -53,10 +53,10 @@ use self::description::Description;
 use self::extract::{Found, FoundLeg, extract};
 use self::finding::Findings;
 use self::side::{Beside, PerLeg, SideDocument, add_home};
-use super::document::{HomeSection, LegEntry, MechanismDocument};
-use super::error::{FileError, read_text};
-use super::machine::Machine;
-use super::mechanism_reader::{Reader, build};
+use crate::files::error::{FileError, read_text};
+use crate::files::machine::Machine;
+use crate::files::mechanism::document::{HomeSection, LegEntry, MechanismDocument};
+use crate::files::mechanism::read::{Reader, build};
 use crate::pose::{Pose, PoseConvention};
 
 /// True if a text is XML.

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::side::{SideDocument, is_closure_yaml, names};
-use crate::files::document::MechanismDocument;
 use crate::files::error::FileError;
 use crate::files::machine::{Machine, SIX_HARDPOINT};
+use crate::files::mechanism::document::MechanismDocument;
 use crate::files::outputs::Outputs;
 
 /// What was added to the outputs.

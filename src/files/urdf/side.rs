@@ -10,13 +10,13 @@ use super::extract::Settings;
 use super::options::{HomeJoint, UrdfOptions};
 use super::pairs::Pair;
 use crate::files::PlaneSection;
-use crate::files::document::{
+use crate::files::error::{FileError, read_text};
+use crate::files::machine::SIX_HARDPOINT;
+use crate::files::mechanism::document::{
     ActuatorSection, GravityAxis, HomeSection, MechanismDocument, NoiseSection, PlatformSection, TargetEntry,
     ToleranceSection, WorkspaceSection,
 };
-use crate::files::error::{FileError, read_text};
-use crate::files::extension::{EffectEntry, SensorEntry};
-use crate::files::machine::SIX_HARDPOINT;
+use crate::files::mechanism::entries::{EffectEntry, SensorEntry};
 use crate::pose::RotationOrder;
 
 /// A TOML file beside a URDF, word by word. Lengths and angles are in the units that it names, m and rad if it names

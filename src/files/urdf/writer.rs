@@ -9,10 +9,10 @@ use std::collections::HashSet;
 use nalgebra::{Rotation3, Vector3};
 
 use super::description::escaped;
-use crate::files::document::{HomeSection, MechanismDocument};
 use crate::files::error::FileError;
 use crate::files::machine::{Machine, SIX_HARDPOINT};
-use crate::files::writer::number;
+use crate::files::mechanism::document::{HomeSection, MechanismDocument};
+use crate::files::table::writer::number;
 use crate::mechanism::{Leg, SixHardpoint};
 use crate::pose::Pose;
 

@@ -1,0 +1,261 @@
+//! `paracal calibrate`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::effect::{ActiveEffect, effects_of};
+use crate::files::{CsvTable, EffectEntry, Machine, Measurement, Outputs, number};
+use crate::identification::{
+    Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
+    Robust, Weights, calibrate, identifier,
+};
+use crate::measurement::MeasurementModel;
+use crate::report::html::{self, Measured, Page, Seen};
+use crate::report::{json, text};
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+
+use crate::cli::common::{Ui, about, page_subject, settings, verdict};
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Prior {
+    /// The tolerance where the data do not decide.
+    Auto,
+    /// The tolerance, always.
+    Tolerance,
+    /// None.
+    None,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum WeightChoice {
+    /// Rows weighted by the noise.
+    Noise,
+    /// Millimetres and radians as they are: the paper's estimator.
+    None,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LossChoice {
+    Huber,
+    Tukey,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum SolverChoice {
+    /// QR steps of this program.
+    Qr,
+    /// argmin's built-in Gauss-Newton.
+    Argmin,
+}
+
+/// Arguments of `calibrate`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal calibrate mechanisms/table5.toml measured.csv -o calibrated.toml")]
+pub(crate) struct Args {
+    /// Mechanism file.
+    mechanism: PathBuf,
+    /// Measurement file: joints and what was measured.
+    data: PathBuf,
+    /// Calibrated mechanism file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// levenberg-marquardt, least-squares (the paper's iteration) or robust.
+    #[arg(long, default_value = "levenberg-marquardt", value_parser = clap::builder::PossibleValuesParser::new(IDENTIFIERS))]
+    identifier: String,
+    /// Whether tolerances are used as prior knowledge.
+    #[arg(long, value_enum, default_value = "auto")]
+    prior: Prior,
+    /// How rows are weighted.
+    #[arg(long, value_enum, default_value = "noise")]
+    weights: WeightChoice,
+    /// Part of the rows to hold out (0 to 1), or a second measurement file; 5 folds if absent.
+    #[arg(long, value_name = "PART|FILE")]
+    holdout: Option<String>,
+    /// Loss of the robust identifier.
+    #[arg(long, value_enum, default_value = "tukey")]
+    loss: LossChoice,
+    /// Solver of the least-squares identifier.
+    #[arg(long, value_enum, default_value = "qr")]
+    solver: SolverChoice,
+    /// Seed of the folds and of the poses at which errors are predicted.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Also write the covariance of the parameters (SI) as CSV.
+    #[arg(long, value_name = "FILE")]
+    covariance: Option<PathBuf>,
+    /// Page to write: verdict, errors and parameters in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+impl Args {
+    /// The measurement file to hold out, if one is named.
+    fn held_file(&self) -> Option<PathBuf> {
+        self.holdout.as_ref().filter(|h| h.parse::<f64>().is_err()).map(PathBuf::from)
+    }
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let second = args.held_file();
+    let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
+    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
+    outputs.check(&args.output)?;
+    for path in [&args.covariance, &args.report].into_iter().flatten() {
+        outputs.check(path)?;
+    }
+    let mut machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
+    let measurement = ui.measurement(&args.data, &machine)?;
+    ui.refer(&mut machine, &measurement.data, &args.data);
+    let holdout = match (&args.holdout, &second) {
+        (None, _) => Holdout::Folds(5),
+        (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine).context("--holdout")?.data)),
+        (Some(part), None) => match part.parse::<f64>() {
+            Ok(part) if part > 0.0 && part < 1.0 => Holdout::Fraction(part),
+            _ => bail!("--holdout {part}: a part of the rows lies between 0 and 1, such as 0.2; or name a file"),
+        },
+    };
+    let options = CalibrationOptions {
+        prior: match args.prior {
+            Prior::Auto => PriorPolicy::Auto,
+            Prior::Tolerance => PriorPolicy::Tolerance,
+            Prior::None => PriorPolicy::None,
+        },
+        weights: match args.weights {
+            WeightChoice::Noise => Weights::Noise,
+            WeightChoice::None => Weights::MillimetresAndRadians,
+        },
+        holdout,
+        seed: args.seed,
+        convention: machine.convention,
+    };
+    let chosen = chosen_identifier(args)?;
+    let progress = ui.progress(format!("calibrating with {} samples", measurement.data.len()));
+    let mechanism = machine.mechanism.as_ref();
+    let result = calibrate(mechanism, &measurement.data, machine.workspace.as_ref(), chosen.as_ref(), &options)
+        .map_err(|error| match (error, &options.holdout, &second) {
+            (IdentifyError::HeldOut(cause), Holdout::Data(held), Some(path)) => about(*cause, &machine, path, held),
+            (error, ..) => about(error, &machine, &args.data, &measurement.data),
+        })?;
+    progress.finish_and_clear();
+
+    let targets =
+        measurement.targets.as_ref().map(|t| t.located(&result.identification.own_values())).unwrap_or_default();
+    let mut document = machine.document_of(
+        result.mechanism.as_ref(),
+        result.workspace.as_ref(),
+        &targets,
+        &result.registration.frames,
+    )?;
+    if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.own_parameters().is_empty()) {
+        document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
+    }
+    if !machine.effects().is_empty() {
+        document.effects = refitted(&machine, &result, &measurement);
+        if result.registration.applied {
+            ui.warn(
+                "the effects of the file act in the frame of its base and were identified as if the data were in it; put \
+                 the data into that frame",
+            );
+        }
+    }
+    let written = outputs.add_mechanism(&args.output, &document)?;
+    if let Some(path) = &args.covariance {
+        outputs.add(path, covariance_table(&result).to_text())?;
+    }
+    let title = mechanism.name();
+    let shown = text::calibration(&result, title, &measurement.data.model().describe(), chosen.name());
+    if let Some(path) = &args.report {
+        outputs.add(path, page(args, ui, &machine, &measurement, &result, &shown)?.html())?;
+    }
+    outputs.write()?;
+    result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
+    ui.result(&shown, &json::calibration(&result, chosen.name(), &largest_correlations(&result)));
+    Ok(verdict(result.verdict.trusted))
+}
+
+/// The report: errors of the mechanism as it was given, once it stands where it was found, and of the calibrated one.
+fn page(
+    args: &Args,
+    ui: &Ui,
+    machine: &Machine,
+    measurement: &Measurement,
+    result: &Calibration,
+    text: &str,
+) -> Result<Page> {
+    let data = &measurement.data;
+    let about = |error| about(error, machine, &args.data, data);
+    let aligned = data.with_frames(result.registration.frames);
+    let own = result.identification.own_values();
+    let models = [
+        Seen::through("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
+        Seen::through("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
+    ];
+    let settings =
+        settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
+    let subject = page_subject(ui, machine, result.mechanism.as_ref(), settings);
+    Ok(html::calibration(result, text, &subject, &Measured { data, models: &models }))
+}
+
+/// The effects of the file with the identified values, their 1σ, and the range of the data.
+fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) -> Vec<EffectEntry> {
+    let on_measurement = measurement.located(&result.identification.own_values());
+    let mut effects: Vec<ActiveEffect> =
+        effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
+    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data));
+    let sigmas: Vec<Vec<f64>> = effects
+        .iter()
+        .map(|effect| {
+            let mine = format!("{}.", effect.label());
+            let own = result.parameters.iter().filter(|p| p.spec.name.starts_with(&mine));
+            own.map(|p| p.sigma.unwrap_or(f64::NAN)).collect()
+        })
+        .collect();
+    machine.effect_entries(&effects, &sigmas, machine.surroundings())
+}
+
+fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {
+    match args.identifier.as_str() {
+        "least-squares" => Ok(Box::new(LeastSquares { builtin: args.solver == SolverChoice::Argmin })),
+        "robust" if args.weights == WeightChoice::None => {
+            bail!("--weights none: the robust identifier judges rows by the noise; use least-squares")
+        }
+        "robust" => {
+            let loss = match args.loss {
+                LossChoice::Huber => Loss::Huber,
+                LossChoice::Tukey => Loss::Tukey,
+            };
+            Ok(Box::new(Robust { loss, ..Robust::default() }))
+        }
+        name => identifier(name).with_context(|| format!("no identifier is called '{name}'")),
+    }
+}
+
+fn covariance_table(result: &Calibration) -> CsvTable {
+    let names = result.parameters[..result.identification.mechanism_parameters].iter().map(|p| p.spec.name.clone());
+    let names: Vec<String> = names.collect();
+    let row = |(k, name): (usize, &String)| {
+        std::iter::once(name.clone()).chain(result.covariance.row(k).iter().map(|v| number(*v))).collect()
+    };
+    CsvTable {
+        comments: vec!["covariance of the parameters, SI".into()],
+        header: std::iter::once("parameter".to_owned()).chain(names.iter().cloned()).collect(),
+        rows: names.iter().enumerate().map(row).collect(),
+    }
+}
+
+/// The ten pairs of parameters that are most correlated.
+fn largest_correlations(result: &Calibration) -> Vec<(String, String, f64)> {
+    let correlation = result.identification.correlation();
+    let names = &result.identification.parameters;
+    let mut pairs = Vec::new();
+    for i in 0..names.len() {
+        for j in i + 1..names.len() {
+            pairs.push((names[i].spec.name.clone(), names[j].spec.name.clone(), correlation[(i, j)]));
+        }
+    }
+    pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+    pairs.truncate(10);
+    pairs
+}

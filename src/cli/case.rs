@@ -1,0 +1,61 @@
+//! What `diagnose` and `settle` read: a machine, and data to ask about.
+
+use std::path::PathBuf;
+
+use crate::diagnosis::{DiagnoseError, Question};
+use crate::files::{Machine, Measurement, Outputs};
+use anyhow::{Result, bail};
+
+use crate::cli::common::{Ui, about};
+
+/// The two files, and how their noise is meant.
+#[derive(clap::Args)]
+pub(crate) struct CaseArgs {
+    /// Mechanism file; effects in it are looked for anew.
+    pub(crate) mechanism: PathBuf,
+    /// Measurement file with the conditions of each row: temperatures, elevation, payload, time.
+    pub(crate) data: PathBuf,
+    /// Take the stated noise as known; otherwise its size is estimated and only its ratio is used.
+    #[arg(long)]
+    noise_known: bool,
+}
+
+/// The files, read.
+pub(crate) struct Case<'a> {
+    args: &'a CaseArgs,
+    pub(crate) machine: Machine,
+    pub(crate) measurement: Measurement,
+}
+
+impl CaseArgs {
+    /// Reads the files; `written` is what will be written beside them.
+    pub(crate) fn read(&self, written: &[Option<&PathBuf>], ui: &Ui) -> Result<(Case<'_>, Outputs)> {
+        let mut outputs = Outputs::beside_inputs([&self.mechanism, &self.data]);
+        for path in written.iter().copied().flatten() {
+            outputs.check(path)?;
+        }
+        let machine = ui.machine(&self.mechanism)?.without_effects()?;
+        outputs.protect(machine.inputs());
+        let measurement = ui.measurement(&self.data, &machine)?;
+        if self.noise_known && !measurement.data.noise.known {
+            bail!("--noise-known: {} states no [noise], and the data no sigma columns", self.mechanism.display());
+        }
+        Ok((Case { args: self, machine, measurement }, outputs))
+    }
+}
+
+impl Case<'_> {
+    /// What is asked of the data.
+    pub(crate) fn question(&self) -> Question<'_> {
+        Question { noise_known: self.args.noise_known, ..Question::of(&self.machine, &self.measurement.as_read) }
+    }
+
+    /// A failed diagnosis with the file that it is about.
+    pub(crate) fn about(&self, error: DiagnoseError) -> anyhow::Error {
+        let data = &self.args.data;
+        match error {
+            DiagnoseError::Identify(cause) => about(cause, &self.machine, data, &self.measurement.data),
+            other => anyhow::Error::new(other).context(data.display().to_string()),
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! `paracal compensate`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::effect::{ActiveEffect, Acts, Compensated, Compensator};
+use crate::files::{ListedPose, Outputs, read_pose_list};
+use crate::units::{Dimension, shortened};
+use anyhow::{Context, Result, bail};
+use serde_json::json;
+
+use crate::cli::common::{JointsAndPose, Ui, joint_noun, joints_and_poses};
+
+/// Arguments of `compensate`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal compensate calibrated.toml poses.csv -o lengths.csv")]
+pub(crate) struct Args {
+    /// Mechanism file, usually a calibrated one.
+    mechanism: PathBuf,
+    /// List of poses that the platform should take, one after the other. An extended model reads temperatures, elevation
+    /// and payload from the same columns as data.
+    poses: PathBuf,
+    /// Table of the leg lengths (joint angles of a rotary mechanism) to command.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// The poses are wanted as the instrument sees them: the sag of its frame is compensated, too.
+    #[arg(long)]
+    in_tracker_frame: bool,
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.poses]);
+    outputs.check(&args.output)?;
+    let mut machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
+    let list = read_pose_list(&args.poses, &machine)?;
+    let mut warnings = list.warnings.clone();
+    let states = list.poses.iter().map(|l| &l.conditions);
+    warnings.extend(machine.refer_to(states, &args.poses.display().to_string()));
+    let mechanism = machine.plain();
+    let mut compensator =
+        Compensator::new(mechanism, machine.surroundings(), &machine.effects(), args.in_tracker_frame)?;
+    warnings.extend(compensator.left_out().iter().map(not_compensated));
+
+    let mut rows: Vec<Compensated> = Vec::with_capacity(list.poses.len());
+    let mut outside = Vec::new();
+    for (row, listed) in list.poses.iter().enumerate() {
+        let found = compensator
+            .command(&listed.pose, &listed.conditions)
+            .with_context(|| format!("{}: data row {row}", args.poses.display()))?;
+        if found.joints.iter().any(|v| !v.is_finite()) {
+            bail!("{}: data row {row}: the pose is too far for any leg; correct the row", args.poses.display());
+        }
+        for (spec, value) in mechanism.joints().iter().zip(&found.joints) {
+            if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
+                let (unit, per_si) = spec.dimension.in_tables();
+                outside.push(format!(
+                    "data row {row}: {} would be {:.3} {unit}, outside its stroke {:.3} to {:.3} {unit}",
+                    spec.name,
+                    per_si * value,
+                    per_si * from,
+                    per_si * to
+                ));
+            }
+        }
+        rows.push(found);
+    }
+    warnings.extend(lacking(&rows));
+    warnings.extend(extrapolated(&rows));
+
+    let table_row = |(listed, found): (&ListedPose, &Compensated)| JointsAndPose {
+        id: listed.id.clone(),
+        joints: found.joints.clone(),
+        pose: machine.convention.coordinates(&found.seen),
+    };
+    let table_rows: Vec<JointsAndPose> = list.poses.iter().zip(&rows).map(table_row).collect();
+    let noun = joint_noun(mechanism);
+    let used: Vec<String> = compensator.compensated().map(ActiveEffect::label).collect();
+    let with = if used.is_empty() { String::new() } else { format!(" with {}", used.join(", ")) };
+    let comment = format!("{noun} to command for {}{with}", mechanism.name());
+    let mut table = joints_and_poses(&machine, comment, &table_rows);
+    table.append(&list.covariates);
+    outputs.add(&args.output, table.to_text())?;
+    outputs.write()?;
+    warnings.iter().for_each(|w| ui.warn(w));
+    const SHOWN: usize = 5;
+    outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
+    if outside.len() > SHOWN {
+        ui.warn(&format!("{} more {noun} are outside their strokes", outside.len() - SHOWN));
+    }
+    let lengths: Vec<&Vec<f64>> = rows.iter().map(|r| &r.joints).collect();
+    let text = format!("{} poses: {noun} to command are in {}", rows.len(), args.output.display());
+    let all: Vec<&String> = warnings.iter().chain(&outside).collect();
+    let mut shown = json!({
+        "poses": rows.len(), "outside_stroke": outside.len(), "joints": lengths, "effects": used, "warnings": all,
+    });
+    if mechanism.joints().iter().all(|j| j.dimension == Dimension::Length) {
+        shown["lengths_m"] = json!(lengths);
+    }
+    ui.result(&text, &shown);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Why an effect is not compensated.
+fn not_compensated(effect: &ActiveEffect) -> String {
+    let label = effect.label();
+    match effect.effect.acts_on() {
+        Acts::Measurement if !effect.effect.describes_one_run() => format!(
+            "{label} is not compensated: only the instrument sees it; with --in-tracker-frame it is, if the poses are \
+             wanted as the instrument sees them"
+        ),
+        Acts::Measurement => {
+            format!("{label} is not compensated: it moved the instrument of one run, and predicts nothing for another")
+        }
+        Acts::Mechanism => {
+            format!(
+                "{label} is not compensated: it describes one run, and is not extrapolated; see what moved that leg"
+            )
+        }
+    }
+}
+
+/// Which effects were left out in which rows, because a state lacks something.
+fn lacking(rows: &[Compensated]) -> Vec<String> {
+    let mut found: BTreeMap<(String, String), Vec<String>> = BTreeMap::new();
+    for (row, compensated) in rows.iter().enumerate() {
+        for (label, names) in &compensated.lacking {
+            found.entry((label.clone(), names.join(", "))).or_default().push(row.to_string());
+        }
+    }
+    let said = |((label, names), rows): (&(String, String), &Vec<String>)| {
+        format!(
+            "{label} is left out in data row {}: it needs {names}; add the column or fill in the cells",
+            shortened(rows)
+        )
+    };
+    found.iter().map(said).collect()
+}
+
+/// Where a covariate is outside of the range on which an effect was fitted.
+struct Outside {
+    rows: Vec<String>,
+    /// Smallest and largest value there.
+    values: [f64; 2],
+    range: [f64; 2],
+}
+
+/// Which covariates are outside of the range on which an effect was fitted.
+fn extrapolated(rows: &[Compensated]) -> Vec<String> {
+    let mut found: BTreeMap<(String, String), Outside> = BTreeMap::new();
+    for (row, compensated) in rows.iter().enumerate() {
+        for e in &compensated.outside {
+            let first = || Outside { rows: Vec::new(), values: [e.value; 2], range: e.range };
+            let outside = found.entry((e.effect.clone(), e.covariate.clone())).or_insert_with(first);
+            outside.rows.push(row.to_string());
+            outside.values = [outside.values[0].min(e.value), outside.values[1].max(e.value)];
+        }
+    }
+    let mut said = Vec::with_capacity(found.len());
+    for ((label, covariate), Outside { rows, values, range }) in found {
+        let (unit, per_si) = shown_unit(&covariate);
+        let [low, high] = values.map(|v| v * per_si);
+        let [from, to] = range.map(|v| v * per_si);
+        let value = if low == high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") };
+        said.push(format!(
+            "{label}: {covariate} is {value}{unit} in data row {}, outside of {from:.4} to {to:.4}{unit}, where it was \
+             fitted; the command is an extrapolation",
+            shortened(&rows)
+        ));
+    }
+    said
+}
+
+/// The unit in which a covariate is shown, and how many of it make one SI unit.
+fn shown_unit(covariate: &str) -> (&'static str, f64) {
+    match covariate {
+        c if c.starts_with("temp_") => (" degC", 1.0),
+        "elevation" | "azimuth" => (" deg", 1.0_f64.to_degrees()),
+        "payload" => (" kg", 1.0),
+        "time" => (" s", 1.0),
+        c if c.starts_with("length_leg") || c.starts_with("travel_leg") => (" mm", 1e3),
+        _ => ("", 1.0),
+    }
+}

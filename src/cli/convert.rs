@@ -1,0 +1,55 @@
+//! `paracal convert`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::files::Outputs;
+use anyhow::{Result, bail};
+use serde_json::json;
+
+use crate::cli::common::Ui;
+
+/// Arguments of `convert`.
+#[derive(clap::Args)]
+#[command(
+    after_help = "What URDF cannot say (workspace, noise, tolerance, units, length offsets) goes into a TOML file of the \
+                  same stem beside it, which every command reads with it.\n\
+                  Example: paracal convert mechanisms/table5.toml -o hardpoints.urdf"
+)]
+pub(crate) struct Args {
+    /// Mechanism file.
+    mechanism: PathBuf,
+    /// Mechanism file to write: .urdf or .toml.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let extension = args.output.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !matches!(extension.as_deref(), Some("urdf" | "toml")) {
+        bail!(
+            "{}: is neither a .urdf nor a .toml file; let the name of the output end in one of them",
+            args.output.display()
+        );
+    }
+    let mut outputs = Outputs::beside_inputs([&args.mechanism]);
+    outputs.check(&args.output)?;
+    let machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
+    if extension.as_deref() == Some("urdf") {
+        // What cannot be URDF is refused by the name of the input.
+        machine.to_urdf()?;
+    }
+    let written = outputs.add_mechanism(&args.output, machine.document())?;
+    outputs.write()?;
+    written.warnings.iter().for_each(|w| ui.warn(w));
+    let beside = written.side.as_ref().map_or_else(String::new, |p| format!(", with {} beside it", p.display()));
+    let text = format!("{}: {}{beside}", args.output.display(), machine.mechanism.name());
+    let warnings: Vec<&String> = machine.warnings.iter().chain(&written.warnings).collect();
+    let shown = json!({
+        "output": args.output, "side_file": written.side, "name": machine.mechanism.name(),
+        "joints": machine.joint_names(), "warnings": warnings,
+    });
+    ui.result(&text, &shown);
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,61 @@
+//! `paracal diagnose`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::diagnosis::{Question, Verdict, diagnose, settle};
+use crate::report::{html, json, text};
+use anyhow::{Context, Result};
+
+use crate::cli::case::CaseArgs;
+use crate::cli::common::{Ui, page_subject, settings, verdict};
+
+/// Arguments of `diagnose`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal diagnose mechanisms/table5.toml measured.csv -o extended.toml\n\n\
+                        Verdicts: clean, named, tied (other names are not excluded), unknown (no name explains it), misread \
+                        (exit code 3; nothing is fitted).")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    case: CaseArgs,
+    /// Mechanism file to write: identified parameters and the causes that were found.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Page to write: verdict, causes and limits in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Seed of the held-out folds.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let written = [args.output.as_ref(), args.report.as_ref()];
+    let (case, mut outputs) = args.case.read(&written, ui)?;
+    let (machine, data) = (&case.machine, &case.measurement.data);
+    let question = Question { seed: args.seed, ..case.question() };
+    let progress = ui.progress(format!("looking for causes in {} samples", data.len()));
+    let found = diagnose(&question).map_err(|error| case.about(error))?;
+    progress.finish_and_clear();
+    found.warnings.iter().for_each(|w| ui.warn(w));
+    if let Some(path) = &args.output {
+        if found.verdict == Verdict::Misread {
+            ui.warn(&format!("{} is not written: the data were read wrongly", path.display()));
+        } else {
+            let document = machine.extended_document(&found).context("the extended model")?;
+            let written = outputs.add_mechanism(path, &document)?;
+            written.warnings.iter().for_each(|w| ui.warn(w));
+        }
+    }
+    if let Some(path) = &args.report {
+        let progress = ui.progress("looking for measurements that settle".into());
+        let plans = settle(&question, &found).map_err(|error| case.about(error))?;
+        progress.finish_and_clear();
+        let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.case.data]));
+        let subject = page_subject(ui, machine, machine.mechanism.as_ref(), settings);
+        outputs.add(path, html::diagnosis(&found, &plans, &subject, data).html())?;
+    }
+    outputs.write()?;
+    ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found));
+    Ok(verdict(found.verdict != Verdict::Misread))
+}

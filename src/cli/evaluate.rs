@@ -1,0 +1,59 @@
+//! `paracal evaluate`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::files::Outputs;
+use crate::identification::evaluate;
+use crate::report::html::{self, Measured, Seen};
+use crate::report::{json, text};
+use anyhow::Result;
+
+use crate::cli::common::{Ui, about, page_subject, settings};
+
+/// Arguments of `evaluate`.
+#[derive(clap::Args)]
+#[command(after_help = "Example: paracal evaluate calibrated.toml other-day.csv")]
+pub(crate) struct Args {
+    /// Mechanism file, nominal or calibrated.
+    mechanism: PathBuf,
+    /// Measurement file.
+    data: PathBuf,
+    /// Page to write: the errors in pictures (HTML).
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+/// A nominal model that misses by this part of the platform's radius is likely to be in another frame.
+const OTHER_FRAME: f64 = 0.05;
+
+pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
+    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.data]);
+    if let Some(path) = &args.report {
+        outputs.check(path)?;
+    }
+    let mut machine = ui.machine(&args.mechanism)?;
+    outputs.protect(machine.inputs());
+    let measurement = ui.measurement(&args.data, &machine)?;
+    ui.refer(&mut machine, &measurement.data, &args.data);
+    let mechanism = machine.mechanism.as_ref();
+    let wrong = |error| about(error, &machine, &args.data, &measurement.data);
+    let errors = evaluate(mechanism, &[], &measurement.data).map_err(wrong)?;
+    let size = crate::mechanism::characteristic_length(mechanism);
+    if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
+        ui.warn(match &measurement.contacts {
+            None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it",
+            Some(_) => "the errors are as large as the mechanism; check the [plane] of the mechanism file, or state identify = true there",
+        });
+    }
+    if let Some(path) = &args.report {
+        let models = [Seen::through("model", mechanism, &[], &measurement.data).map_err(wrong)?];
+        let subject =
+            page_subject(ui, &machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
+        let measured = Measured { data: &measurement.data, models: &models };
+        outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
+        outputs.write()?;
+    }
+    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));
+    Ok(ExitCode::SUCCESS)
+}

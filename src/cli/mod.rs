@@ -1,0 +1,109 @@
+//! The program `paracal`: one file for each subcommand, and what they share.
+//!
+//! A subcommand reads its arguments, calls the library, and hands results to [`report`](crate::report) and
+//! [`files`](crate::files); it computes nothing itself. Progress bars live here.
+
+mod calibrate;
+mod campaign_limits;
+mod case;
+mod common;
+mod compensate;
+mod completions;
+mod convert;
+mod diagnose;
+mod effect_args;
+mod evaluate;
+mod inspect;
+#[cfg(test)]
+mod mutated_calls;
+mod paint;
+mod reproduce;
+mod select;
+mod select_args;
+mod settle;
+mod simulate;
+mod urdf_args;
+
+use std::cell::RefCell;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{CommandFactory, Parser, Subcommand};
+
+use common::{Ui, report_error};
+
+/// Calibrates parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms.
+#[derive(Parser)]
+#[command(version, about, propagate_version = true)]
+#[command(
+    after_help = "Exit codes: 0 done; 2 the input or the call is wrong, nothing was written; 3 done and written, \
+                        but the result must not be trusted."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Print one JSON object on standard output, nothing else there.
+    #[arg(long, global = true)]
+    json: bool,
+    /// No progress and no warnings.
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Threads to use; results do not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    urdf: urdf_args::UrdfArgs,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Geometry, home, strokes, conditioning, and what 20 good poses could tell.
+    Inspect(inspect::Args),
+    /// Which poses to measure, and how good the choice is.
+    Select(select_args::Args),
+    /// What a tracker would measure of a mechanism with errors.
+    Simulate(simulate::Args),
+    /// Parameters from measured data, and how far to trust them.
+    Calibrate(calibrate::Args),
+    /// What the model gets wrong, by name, and how much is gained.
+    Diagnose(diagnose::Args),
+    /// The extra measurements that would separate tied causes.
+    Settle(settle::Args),
+    /// Errors of a model on measured data; nothing is fitted.
+    Evaluate(evaluate::Args),
+    /// Leg lengths to command for poses.
+    Compensate(compensate::Args),
+    /// The same mechanism as URDF or as TOML.
+    Convert(convert::Args),
+    /// Tables and figures of Yu, Wu, Wang 2023, and what of them holds.
+    Reproduce(reproduce::Args),
+    /// What a shell needs to complete commands and options.
+    Completions(completions::Args),
+}
+
+/// Runs the program on the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(threads) = cli.threads {
+        // It fails only if a pool exists already, and this is the first use.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    }
+    run(&cli).unwrap_or_else(|error| report_error(&error))
+}
+
+fn run(cli: &Cli) -> Result<ExitCode> {
+    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()?, warnings: RefCell::default() };
+    match &cli.command {
+        Command::Inspect(args) => inspect::run(args, &ui),
+        Command::Select(args) => select::run(args, &ui),
+        Command::Simulate(args) => simulate::run(args, &ui),
+        Command::Calibrate(args) => calibrate::run(args, &ui),
+        Command::Diagnose(args) => diagnose::run(args, &ui),
+        Command::Settle(args) => settle::run(args, &ui),
+        Command::Evaluate(args) => evaluate::run(args, &ui),
+        Command::Compensate(args) => compensate::run(args, &ui),
+        Command::Convert(args) => convert::run(args, &ui),
+        Command::Reproduce(args) => reproduce::run(args, &ui),
+        Command::Completions(args) => completions::run(args, Cli::command()),
+    }
+}

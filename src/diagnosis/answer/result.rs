@@ -1,0 +1,282 @@
+//! What a diagnosis says. Text, JSON and pictures are views of it.
+
+use crate::diagnosis::linear::hypotheses::Group;
+use crate::effect::{ActiveEffect, Acts, Surroundings};
+use crate::identification::ErrorSummary;
+use crate::measurement::Frames;
+use crate::units::Dimension;
+
+/// One of five answers, always.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// What is left is noise.
+    Clean,
+    /// Named causes explain what is left.
+    Named,
+    /// Named, but the data do not exclude another name.
+    Tied,
+    /// Something is left that no name explains.
+    Unknown,
+    /// The file was read wrongly.
+    Misread,
+}
+
+impl Verdict {
+    /// The word of the format.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Named => "named",
+            Self::Tied => "tied",
+            Self::Unknown => "unknown",
+            Self::Misread => "misread",
+        }
+    }
+}
+
+/// A value of an effect that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CauseParameter {
+    /// Name.
+    pub name: String,
+    /// Value, SI.
+    pub value: f64,
+    /// 1σ, with the estimated noise; `None` if the data do not see the parameter.
+    pub sigma: Option<f64>,
+    /// What it measures.
+    pub dimension: Dimension,
+    /// Usual size in sound machines.
+    pub scale: f64,
+}
+
+/// Another name that the data do not exclude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rival {
+    /// Its name.
+    pub effect: String,
+    /// Its leg, from 0.
+    pub leg: Option<usize>,
+    /// Data row from which on it acts.
+    pub row: Option<usize>,
+    /// Covariate or place of its scan.
+    pub of: Option<String>,
+    /// Values that its parameters would have, SI.
+    pub values: Vec<f64>,
+    /// How much less evidence it has, nats; below zero if it has more.
+    pub behind: f64,
+    /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.
+    /// About 10 is needed to tell them apart.
+    pub separability: f64,
+}
+
+/// A named cause.
+#[derive(Clone, Debug)]
+pub struct Cause {
+    /// Name of the effect.
+    pub effect: String,
+    /// The cause in a sentence.
+    pub cause: String,
+    /// What to do.
+    pub remedy: String,
+    /// What it acts on.
+    pub acts_on: Acts,
+    /// Leg, from 0.
+    pub leg: Option<usize>,
+    /// Data row from which on it acts.
+    pub row: Option<usize>,
+    /// Covariate or place of its scan.
+    pub of: Option<String>,
+    /// Values, in the order of the effect's parameters.
+    pub parameters: Vec<CauseParameter>,
+    /// Probability of such a gain by chance, all places that were tried counted.
+    pub p_value: f64,
+    /// Evidence against no effect at all beside the other causes, nats.
+    pub evidence: f64,
+    /// Names that the data do not exclude.
+    pub tied_with: Vec<Rival>,
+    /// Size in multiples of the detection limit.
+    pub size_over_limit: f64,
+    /// True below twice the limit.
+    pub tentative: bool,
+    /// True if every value is within ten times its usual size.
+    pub plausible: bool,
+    /// What is left without it over its share.
+    pub added_variable: AddedVariable,
+}
+
+/// An added-variable plot: a cause that is one lies along the diagonal, and its slope over its scatter is its evidence.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AddedVariable {
+    /// For each row of the readings the share of the cause that nothing else imitates, and what is left without the cause
+    /// (measured minus predicted), both over the estimated noise of the row.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What is left of one sample, measured minus predicted, as a change of each joint, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointResiduals {
+    /// 0-based data row.
+    pub row: usize,
+    /// True if the sample was left out as a gross error.
+    pub left_out: bool,
+    /// Beside the kinematic parameters alone.
+    pub before: Vec<f64>,
+    /// Beside the causes too.
+    pub after: Vec<f64>,
+}
+
+/// Something that no name explains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// What it depends on, if on anything that was recorded.
+    pub covariate: Option<String>,
+    /// Where, leg from 0.
+    pub leg: Option<usize>,
+    /// Which test found it.
+    pub test: &'static str,
+    /// Its probability by chance, all tests of its kind counted.
+    pub p_value: f64,
+    /// Period in the covariate, SI, if it repeats.
+    pub period: Option<f64>,
+    /// The next covariate that explains it nearly as well.
+    pub runner_up: Option<String>,
+    /// Names that were withdrawn because this explains the data better than all of them.
+    pub withdrawn: Vec<String>,
+}
+
+impl Unknown {
+    /// Found by a test, and depending on nothing.
+    pub(crate) fn by(test: &'static str, p_value: f64) -> Self {
+        Self { covariate: None, leg: None, test, p_value, period: None, runner_up: None, withdrawn: Vec::new() }
+    }
+}
+
+/// A file that was read wrongly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Misread {
+    /// Name of the reading.
+    pub reading: String,
+    /// Which axis, which unit, which order.
+    pub detail: String,
+    /// Misfit as read over that of the reading.
+    pub factor: f64,
+    /// Other readings that fit as well.
+    pub tied_with: Vec<String>,
+}
+
+/// Noise that is not the same in all rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseVaries {
+    /// What it depends on.
+    pub covariate: String,
+    /// σ at the end of the range over σ at its beginning.
+    pub ratio: f64,
+    /// Probability by chance.
+    pub p_value: f64,
+}
+
+/// Held-out errors with and without the causes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gain {
+    /// RMS length of the position error without causes, random folds, m.
+    pub position_before: Option<f64>,
+    /// The same with them.
+    pub position_after: Option<f64>,
+    /// RMS length of the angle errors without causes, rad.
+    pub rotation_before: Option<f64>,
+    /// The same with them.
+    pub rotation_after: Option<f64>,
+    /// Position error without causes where contiguous blocks were held out, m.
+    pub blocked_position_before: Option<f64>,
+    /// The same with them.
+    pub blocked_position_after: Option<f64>,
+    /// √3 σ of the stated noise, m.
+    pub noise_floor_position: Option<f64>,
+    /// The same for the angles, rad.
+    pub noise_floor_rotation: Option<f64>,
+}
+
+/// An effect that was looked for and not found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotFound {
+    /// Name.
+    pub effect: String,
+    /// Name of its first parameter.
+    pub parameter: String,
+    /// Size of its first parameter that would have been seen with 95 % probability, SI.
+    pub limit: f64,
+    /// What the parameter measures.
+    pub dimension: Dimension,
+}
+
+/// An effect that could not be tested.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotTestable {
+    /// Name.
+    pub effect: String,
+    /// What is missing.
+    pub missing: Vec<String>,
+}
+
+impl NotTestable {
+    /// An effect whose columns the data do not see, because what it depends on hardly changes.
+    pub(crate) fn unchanging(group: &Group) -> Self {
+        let covariates = group.effect.covariates(&group.places[0].at);
+        let what = match covariates.len() {
+            0 => "what it depends on".into(),
+            1..=3 => covariates.join(", "),
+            _ => format!("{} and the others", covariates[0]),
+        };
+        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// One of five answers.
+    pub verdict: Verdict,
+    /// Named causes, by evidence.
+    pub causes: Vec<Cause>,
+    /// What no name explains.
+    pub unknown: Option<Unknown>,
+    /// How the file should have been read.
+    pub misread: Option<Misread>,
+    /// Data rows that were left out as gross errors.
+    pub outlier_rows: Vec<usize>,
+    /// What is left in the joints, sample by sample.
+    pub residuals: Vec<JointResiduals>,
+    /// Noise that varies.
+    pub noise_varies: Option<NoiseVaries>,
+    /// Correlation of each row with the one before, if it is more than chance.
+    pub correlation: Option<f64>,
+    /// Held-out errors.
+    pub gain: Gain,
+    /// Effects that were not found, with their limits.
+    pub not_found: Vec<NotFound>,
+    /// Effects that could not be tested.
+    pub not_testable: Vec<NotTestable>,
+    /// RMS residual after the kinematic parameters alone, outliers left out.
+    pub before: ErrorSummary,
+    /// RMS residual after causes.
+    pub after: ErrorSummary,
+    /// Estimated σ of the readings over the stated one.
+    pub noise_scale: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Names of the joints, which causes and findings count as legs.
+    pub joints: Vec<String>,
+    /// Values of the parameters of the mechanism without effects, in the frames of its drawing; empty if the file was
+    /// misread.
+    pub values: Vec<f64>,
+    /// Values of the measurement's own parameters, without those of effects.
+    pub own: Vec<f64>,
+    /// The causes with their values and the ranges of their covariates, ready for an extended model.
+    pub effects: Vec<ActiveEffect>,
+    /// What stands around the mechanism, with the reference temperatures that were used.
+    pub surroundings: Surroundings,
+    /// Where tracker and target were found.
+    pub frames: Frames,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,276 @@
+//! What is asked: mechanism, data, and the effects that can be tested; the columns of all of them at a point, and fits.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnosis::DiagnoseError;
+use crate::diagnosis::answer::result::NotTestable;
+use crate::diagnosis::linear::design_matrix::Table;
+use crate::effect::{
+    ActiveEffect, Acts, Effect, EffectParameter, Extended, Perturbation, Recorded, Scan, ScanPoint, SeenThrough,
+    Setting, Site, Surroundings,
+};
+use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, SolveError, least_squares};
+use crate::units::Dimension;
+
+/// An effect that can be tested, with its columns at each place of its scan.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) effect: Arc<dyn Effect>,
+    pub(crate) parameters: Vec<EffectParameter>,
+    pub(crate) places: Vec<Place>,
+}
+
+/// Columns of the table for one place of a scan. Where rows are scanned, those of row 0, of which each row cuts off the
+/// beginning.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) at: ScanPoint,
+    pub(crate) columns: Range<usize>,
+    pub(crate) scans_rows: bool,
+}
+
+/// What is asked, apart from values.
+pub(crate) struct Subject<'a> {
+    pub(crate) mechanism: &'a dyn Mechanism,
+    pub(crate) data: &'a Dataset,
+    pub(crate) surroundings: Arc<Surroundings>,
+    pub(crate) prior: Prior,
+    pub(crate) groups: Vec<Group>,
+    /// Columns of the nuisance and of all groups; unit displacements of the joints stand behind them.
+    pub(crate) columns: usize,
+    /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
+    /// own. Empty if rows are as stated.
+    pub(crate) spreads: Vec<f64>,
+    /// The same for position rows and for rotation rows, where their ratio is not the stated one.
+    pub(crate) kind_spreads: Option<[f64; 2]>,
+    /// The same for each sample, where the noise was found to vary. Empty if it does not.
+    pub(crate) sample_spreads: Vec<f64>,
+}
+
+/// Values at which the table is made.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    /// Parameters of the mechanism.
+    pub(crate) values: Vec<f64>,
+    /// Effects of the model with their values.
+    pub(crate) effects: Vec<ActiveEffect>,
+    /// Estimated σ of the readings over the stated one.
+    pub(crate) scale: f64,
+}
+
+/// A joint displaced by one unit, for tests of single legs.
+#[derive(Clone, Copy, Debug)]
+struct UnitJoint;
+
+impl Effect for UnitJoint {
+    fn name(&self) -> &str {
+        "unit"
+    }
+    fn cause(&self) -> &str {
+        ""
+    }
+    fn remedy(&self) -> &str {
+        ""
+    }
+    fn missing(&self, _: &Setting<'_>, _: &Recorded) -> Vec<String> {
+        Vec::new()
+    }
+    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+        (0..setting.joints()).map(|k| EffectParameter::new(k.to_string(), Dimension::None, 1.0)).collect()
+    }
+    fn covariates(&self, _: &ScanPoint) -> Vec<String> {
+        Vec::new()
+    }
+    fn perturb(&self, theta: &[f64], _: &ScanPoint, _: &Site<'_>, out: &mut Perturbation) {
+        out.joints.iter_mut().zip(theta).for_each(|(d, t)| *d += t);
+    }
+}
+
+impl<'a> Subject<'a> {
+    /// The effects of a catalogue that can be tested, and what the others miss.
+    pub(crate) fn new(
+        mechanism: &'a dyn Mechanism,
+        data: &'a Dataset,
+        surroundings: Arc<Surroundings>,
+        prior: Prior,
+        catalogue: &[Arc<dyn Effect>],
+    ) -> (Self, Vec<NotTestable>) {
+        let recorded = Recorded::of(data);
+        let mut groups = Vec::new();
+        let mut missing = Vec::new();
+        let mut next = mechanism.parameters().len() + data.model().own_parameters().len();
+        {
+            let setting = Setting::new(mechanism, &surroundings);
+            for effect in catalogue {
+                let lacks = effect.missing(&setting, &recorded);
+                if !lacks.is_empty() {
+                    missing.push(NotTestable { effect: effect.name().to_owned(), missing: lacks });
+                    continue;
+                }
+                let parameters = effect.parameters(&setting);
+                let legs = || (0..setting.joints()).map(ScanPoint::leg);
+                let scan = effect.scan(&setting, &recorded);
+                let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
+                let points: Vec<ScanPoint> = match scan {
+                    Scan::None | Scan::Rows => vec![ScanPoint::none()],
+                    Scan::Legs | Scan::LegsAndRows => legs().collect(),
+                    Scan::Covariates(names) => {
+                        names.into_iter().map(|name| ScanPoint { covariate: Some(name), ..ScanPoint::none() }).collect()
+                    }
+                };
+                let place = |at: ScanPoint| {
+                    let columns = next..next + parameters.len();
+                    next = columns.end;
+                    Place { at, columns, scans_rows }
+                };
+                let places = points.into_iter().map(place).collect();
+                groups.push(Group { effect: Arc::clone(effect), parameters, places });
+            }
+        }
+        (
+            Self {
+                mechanism,
+                data,
+                surroundings,
+                prior,
+                groups,
+                columns: next,
+                spreads: Vec::new(),
+                kind_spreads: None,
+                sample_spreads: Vec::new(),
+            },
+            missing,
+        )
+    }
+
+    /// True if the joints are the coordinates of the pose.
+    pub(crate) fn is_pose_space(&self) -> bool {
+        Setting::new(self.mechanism, &self.surroundings).is_pose_space()
+    }
+
+    /// The mechanism with the effects of a point and its values.
+    fn extended(&self, point: &Point, asked: &[ActiveEffect]) -> Result<Extended, DiagnoseError> {
+        let inner = self.mechanism.with_values(&point.values, self.mechanism.home())?;
+        let all = point.effects.iter().chain(asked).cloned().collect();
+        Ok(Extended::new(inner, Arc::clone(&self.surroundings), all))
+    }
+
+    /// Everything that is asked, with values of zero.
+    fn asked(&self) -> Vec<ActiveEffect> {
+        let mut asked: Vec<ActiveEffect> = Vec::new();
+        for group in &self.groups {
+            for place in &group.places {
+                asked.push(ActiveEffect {
+                    effect: Arc::clone(&group.effect),
+                    at: place.at.clone(),
+                    values: vec![0.0; group.parameters.len()],
+                    range: Default::default(),
+                });
+            }
+        }
+        let n = self.mechanism.joints().len();
+        let unit: Arc<dyn Effect> = Arc::new(UnitJoint);
+        asked.push(ActiveEffect {
+            effect: unit,
+            at: ScanPoint::none(),
+            values: vec![0.0; n],
+            range: Default::default(),
+        });
+        asked
+    }
+
+    /// Makes the table at a point.
+    pub(crate) fn table(&self, point: &Point) -> Result<Table, DiagnoseError> {
+        let asked = self.asked();
+        let extended = self.extended(point, &asked)?;
+        let everything: Vec<ActiveEffect> = point.effects.iter().chain(&asked).cloned().collect();
+        let seen = SeenThrough::wrap(self.data, self.mechanism, &self.surroundings, &everything)?;
+        let task = Task::new(&extended, &seen);
+        let mut problem = CalibrationProblem::new(&task, None, 1.0)?;
+        let (m, n) = problem.shape();
+        let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
+        let x = problem.start();
+        problem
+            .linearize(&x, &mut r, &mut j)
+            .map_err(|cause| IdentifyError::Solve(SolveError::Evaluation { iterations: 0, cause }))?;
+        if r.iter().chain(j.iter()).any(|v| !v.is_finite()) {
+            return Err(IdentifyError::Solve(SolveError::NotFinite { iterations: 0 }).into());
+        }
+        // The columns of J: mechanism, effects on it, own parameters, effects on the measurement.
+        let specs = self.mechanism.parameters().len();
+        let first_own = extended.parameters().len();
+        let own = self.data.model().own_parameters().len();
+        let nuisance = specs + own;
+        let mut a = DMatrix::zeros(m, self.columns + self.mechanism.joints().len());
+        a.columns_mut(0, specs).copy_from(&j.columns(0, specs));
+        a.columns_mut(specs, own).copy_from(&j.columns(first_own, own));
+        let mut to = nuisance;
+        for from in unknowns(&everything, specs, first_own + own).into_iter().skip(point.effects.len()) {
+            a.columns_mut(to, from.len()).copy_from(&j.columns(from.start, from.len()));
+            to += from.len();
+        }
+        let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
+        let mut table = Table {
+            r,
+            rows: problem.sample_rows(),
+            kinds: problem.row_kinds(),
+            nuisance,
+            joints: self.columns..a.ncols(),
+            a,
+            precision,
+            gradient,
+            penalty,
+            own: x.rows(first_own, own).iter().copied().collect(),
+            unwhiten: problem.unwhitening(),
+        };
+        table.spread(&self.spreads, self.kind_spreads, &self.sample_spreads);
+        Ok(table)
+    }
+
+    /// Identifies the parameters and the values of the effects of a point together, starting from it, with the samples
+    /// that are kept. Values of effects are not drawn towards zero.
+    pub(crate) fn fit(&self, point: &Point, kept: &[usize]) -> Result<Point, DiagnoseError> {
+        let extended = self.extended(point, &[])?;
+        let seen = SeenThrough::wrap(self.data, self.mechanism, &self.surroundings, &point.effects)?;
+        let data = seen.subset(kept);
+        let prior = self.prior.for_more_parameters(extended.parameters().len());
+        let task = Task::new(&extended, &data);
+        let mut problem = CalibrationProblem::new(&task, Some(prior), point.scale)?;
+        let start = problem.start();
+        // The search goes on with linear steps of its own, so that this one may end early.
+        let options = LeastSquaresOptions { gradient_tolerance: 1e-4, step_tolerance: 1e-9, ..Default::default() };
+        let solution = match least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &options) {
+            Ok(solution) => solution,
+            // The last point is a start like another.
+            Err(SolveError::NoConvergence { last, .. }) => *last,
+            Err(error) => return Err(IdentifyError::Solve(error).into()),
+        };
+        let x = solution.x.as_slice();
+        let specs = self.mechanism.parameters().len();
+        let mut fitted = Point { values: x[..specs].to_vec(), ..point.clone() };
+        let own = self.data.model().own_parameters().len();
+        let places = unknowns(&point.effects, specs, extended.parameters().len() + own);
+        for (effect, place) in fitted.effects.iter_mut().zip(places) {
+            effect.values.copy_from_slice(&x[place]);
+        }
+        Ok(fitted)
+    }
+}
+
+/// Where the values of each effect stand among the unknowns of an identification: those on the mechanism behind its
+/// parameters, those on the measurement behind its own.
+fn unknowns(effects: &[ActiveEffect], mut on_mechanism: usize, mut on_measurement: usize) -> Vec<Range<usize>> {
+    let place = |effect: &ActiveEffect| {
+        let next = if effect.effect.acts_on() == Acts::Mechanism { &mut on_mechanism } else { &mut on_measurement };
+        let place = *next..*next + effect.values.len();
+        *next = place.end;
+        place
+    };
+    effects.iter().map(place).collect()
+}

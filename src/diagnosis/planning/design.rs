@@ -1,0 +1,75 @@
+//! Questions to measurements that are only planned: poses and conditions, but no readings.
+
+use std::sync::Arc;
+
+use crate::diagnosis::answer::limits::limit;
+use crate::diagnosis::answer::result::{NotFound, NotTestable};
+use crate::diagnosis::linear::design_matrix::Table;
+use crate::diagnosis::linear::hypotheses::{Point, Subject};
+use crate::diagnosis::linear::model::{Candidate, Fitting, Model};
+use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
+use crate::identification::{IdentifyError, Prior};
+use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::mechanism::Mechanism;
+use crate::pose::{Pose, PoseConvention};
+
+/// The samples as poses of which these coordinates are measured, just where the mechanism says, with this noise.
+///
+/// # Errors
+/// [`IdentifyError::Sample`] if a sample has no pose.
+pub fn planned(
+    mechanism: &dyn Mechanism,
+    samples: Vec<Sample>,
+    convention: PoseConvention,
+    noise: Noise,
+    measured: [bool; 6],
+) -> Result<Dataset, IdentifyError> {
+    let pose = |(k, s): (usize, &Sample)| {
+        mechanism
+            .forward(mechanism.values(), &s.joints, &s.conditions, &mechanism.home())
+            .map_err(|cause| IdentifyError::Sample { row: k, label: String::new(), cause })
+    };
+    let poses: Vec<Pose> = samples.iter().enumerate().map(pose).collect::<Result<_, _>>()?;
+    let (p, r) = (noise.position, noise.rotation);
+    let sigma = [p, p, p, r, r, r];
+    let reading = |pose: &Pose| PoseReading { values: convention.coordinates(pose), measured, sigma };
+    let model = PoseMeasurement::new(convention, poses.iter().map(reading).collect());
+    Ok(Dataset::new(samples, Arc::new(model), noise))
+}
+
+/// What planned samples would see, effect by effect: the limits of those that they see, with the noise as stated, and what
+/// the others miss. `question.data` are the planned samples.
+///
+/// # Errors
+/// [`DiagnoseError`] if the samples decide too little.
+pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<NotTestable>), DiagnoseError> {
+    let prior = Prior::wide(question.mechanism, TOLERANCES);
+    let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
+    let (subject, mut missing) =
+        Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
+    let table = table_of(&subject)?;
+    let model = model_of(&subject, &table, Vec::new())?;
+    let mut limits = Vec::new();
+    for (k, group) in subject.groups.iter().enumerate() {
+        match limit(&model, &subject.groups, k, subject.groups.len()) {
+            Some(found) => limits.push(found),
+            None => missing.push(NotTestable::unchanging(group)),
+        }
+    }
+    Ok((limits, missing))
+}
+
+/// Columns at the values of the mechanism, without effects.
+pub(crate) fn table_of(subject: &Subject<'_>) -> Result<Table, DiagnoseError> {
+    subject.table(&Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 })
+}
+
+/// The parameters and these effects, with the noise as stated.
+pub(crate) fn model_of<'a>(
+    subject: &Subject<'_>,
+    table: &'a Table,
+    effects: Vec<Candidate>,
+) -> Result<Model<'a>, DiagnoseError> {
+    let fitting = Fitting { rows: table.r.len(), scale: 1.0, inflation: 1.0, known: true };
+    Model::fit(table, &subject.groups, effects, &fitting)
+}

@@ -1,0 +1,5 @@
+//! TODO
+
+pub(crate) mod design;
+pub(crate) mod scenarios;
+pub(crate) mod settle;

@@ -1,0 +1,151 @@
+//! Which further measurements would tell rivals apart.
+//!
+//! A tie is a property of the measurement and not of its size: while temperature and time rise together no number of poses
+//! tells growth from drift. What helps are other *conditions*. For each plan twelve samples are added to those that were
+//! measured, and the part of the named effect that the rival cannot imitate in all of them,
+//! `λ = |(I - P_b) X_a θ|²/σ²`, is computed from columns alone. About 10 is needed to tell two names apart.
+
+use std::sync::Arc;
+
+use crate::diagnosis::answer::result::{Cause, Diagnosis};
+use crate::diagnosis::linear::hypotheses::{Place, Subject};
+use crate::diagnosis::linear::model::Candidate;
+use crate::diagnosis::planning::design::{model_of, planned, table_of};
+use crate::diagnosis::planning::scenarios::scenarios;
+use crate::diagnosis::search::stepwise::{related, separability};
+use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
+use crate::identification::Prior;
+use crate::measurement::{Dataset, Noise, RowKind, Sample};
+use crate::mechanism::Mechanism;
+
+/// Separability at which two names are told apart.
+pub const TOLD_APART: f64 = 10.0;
+
+/// How well a plan tells one name from another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Separation {
+    /// The name that was given.
+    pub effect: String,
+    /// Its rival.
+    pub rival: String,
+    /// `λ` after the plan was measured.
+    pub separability: f64,
+}
+
+/// Further measurements.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What to do, in a sentence.
+    pub what: String,
+    /// The samples to add: joints and conditions. Empty for the present data.
+    pub samples: Vec<Sample>,
+    /// How well each pair of rivals would be told apart.
+    pub separations: Vec<Separation>,
+}
+
+impl Plan {
+    /// The least of the separabilities.
+    pub fn weakest(&self) -> f64 {
+        self.separations.iter().map(|s| s.separability).fold(f64::INFINITY, f64::min)
+    }
+
+    /// True if every pair would be told apart.
+    pub fn settles(&self) -> bool {
+        self.weakest() >= TOLD_APART
+    }
+}
+
+/// Plans that could settle the ties of a diagnosis, best first, and the present data as the last one. Empty without a tie.
+///
+/// # Errors
+/// [`DiagnoseError`] if a plan leads to poses that do not exist.
+pub fn settle(question: &Question<'_>, found: &Diagnosis) -> Result<Vec<Plan>, DiagnoseError> {
+    let tied: Vec<&Cause> = found.causes.iter().filter(|c| !c.tied_with.is_empty()).collect();
+    if tied.is_empty() {
+        return Ok(Vec::new());
+    }
+    let values = &found.values;
+    let mechanism = question.mechanism.with_values(values, question.mechanism.home())?;
+    let mut plans = Vec::new();
+    for (what, added) in scenarios(question, mechanism.as_ref(), found) {
+        match separations(question, mechanism.as_ref(), found, &tied, &added) {
+            Ok(separations) => plans.push(Plan { what, samples: added, separations }),
+            // A plan that the mechanism cannot carry out is none.
+            Err(DiagnoseError::Identify(_)) if !added.is_empty() => {}
+            Err(error) => return Err(error),
+        }
+    }
+    let present = plans.remove(0);
+    plans.sort_by(|a, b| b.weakest().total_cmp(&a.weakest()));
+    plans.push(present);
+    Ok(plans)
+}
+
+fn separations(
+    question: &Question<'_>,
+    mechanism: &dyn Mechanism,
+    found: &Diagnosis,
+    tied: &[&Cause],
+    added: &[Sample],
+) -> Result<Vec<Separation>, DiagnoseError> {
+    let mut samples: Vec<Sample> = question.data.iter().cloned().collect();
+    samples.extend(added.iter().cloned());
+    // The noise as it was found.
+    let scale = if found.noise_scale.is_finite() { found.noise_scale } else { 1.0 };
+    let stated = question.data.noise;
+    let noise = Noise { position: stated.position * scale, rotation: stated.rotation * scale, ..stated };
+    let data = planned(mechanism, samples, question.convention, noise, measured(question.data))?;
+    let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
+    let prior = Prior::wide(mechanism, TOLERANCES);
+    let (subject, _) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
+    let table = table_of(&subject)?;
+    let named = |c: &Cause| candidate(&subject, &c.effect, c.leg, c.row, c.of.as_ref());
+    let mut separations = Vec::new();
+    for cause in tied {
+        let others = found.causes.iter().filter(|c| !std::ptr::eq(*c, *cause)).filter_map(named).collect();
+        let model = model_of(&subject, &table, others)?;
+        // The name and its rivals: any of them may be the truth, so that every pair must be told apart.
+        let own: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
+        let mut all = vec![(&cause.effect, named(cause), own)];
+        for r in &cause.tied_with {
+            all.push((&r.effect, candidate(&subject, &r.effect, r.leg, r.row, r.of.as_ref()), r.values.clone()));
+        }
+        for (k, (name, one, of_one)) in all.iter().enumerate() {
+            for (rival, other, of_other) in &all[k + 1..] {
+                // What a plan cannot see it cannot tell apart.
+                let separability = one.as_ref().zip(other.as_ref()).map_or(0.0, |(one, other)| {
+                    let apart = |a, values: &[f64], b| {
+                        separability(&model, &subject.groups, a, values, b, model.noise.variance())
+                    };
+                    // A special case cannot be imitated by less, and is imitated by the richer name: the larger of the two.
+                    let (there, back) = (apart(one, of_one, other), apart(other, of_other, one));
+                    if related(&subject.groups, one, other) { there.max(back) } else { there.min(back) }
+                });
+                separations.push(Separation { effect: (*name).clone(), rival: (*rival).clone(), separability });
+            }
+        }
+    }
+    Ok(separations)
+}
+
+/// The coordinates that a planned sample measures: positions alone where the data have no angles.
+fn measured(data: &Dataset) -> [bool; 6] {
+    let angles = (0..data.len()).any(|k| data.rows(k).contains(&RowKind::Rotation));
+    let poses = data.reading(0).0.rigid_pose(data.reading(0).1).is_some();
+    [true, true, true, angles || poses, angles || poses, angles || poses]
+}
+
+/// The place of an effect in the table of a subject.
+fn candidate(
+    subject: &Subject<'_>,
+    name: &str,
+    leg: Option<usize>,
+    row: Option<usize>,
+    of: Option<&String>,
+) -> Option<Candidate> {
+    let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
+    let is_it = |p: &Place| p.at.leg == leg && p.at.covariate.as_ref() == of;
+    let place = subject.groups[group].places.iter().position(is_it)?;
+    let from = row.and_then(|row| subject.data.iter().position(|s| s.row >= row));
+    Some(Candidate { group, place, from })
+}

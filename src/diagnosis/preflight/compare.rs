@@ -1,0 +1,284 @@
+//! Was the file read rightly? Asked before anything is fitted for good.
+//!
+//! Under each of some forty readings the parameters are fitted to the closure at the measured poses (no forward
+//! kinematics, which may not exist for a misread file), and the medians of the whitened misfits are compared. A reading
+//! is only believed if it makes the misfit less than half.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector3, Vector6};
+
+use crate::conditions::Conditions;
+use crate::diagnosis::answer::result::Misread;
+use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
+use crate::diagnosis::preflight::misreadings::{AsStated, Reading};
+use crate::identification::{Prior, register};
+use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
+use crate::mechanism::{Linearization, Mechanism, characteristic_length};
+use crate::pose::{Pose, PoseConvention, rotation_vector};
+
+/// A reading must make the misfit this many times smaller.
+const BETTER: f64 = 2.0;
+/// A row this many medians away counts for less.
+const FAR: f64 = 4.0;
+/// Misfit over the spread of the measured poses that a reading may leave.
+const EXPLAINED: f64 = 0.05;
+/// Measured and commanded spread may differ by this factor where a reading makes numbers smaller.
+const SPREAD: f64 = 3.0;
+/// Rows that the first look takes.
+const FEW: usize = 36;
+/// Steps of the fit in the first look, and of the second.
+const STEPS: [usize; 2] = [2, 5];
+/// Readings that get a second look.
+const SECOND: f64 = 4.0;
+
+/// How the file should have been read, if not as it stands; `None` also where poses are not measured in full.
+pub(crate) fn preflight(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    convention: &PoseConvention,
+    prior: &Prior,
+) -> Option<Misread> {
+    let trial = Trial::new(mechanism, data, convention, prior)?;
+    let few: Vec<usize> = evenly(data.len(), FEW);
+    let all: Vec<usize> = (0..data.len()).collect();
+    let mut readings = Reading::all(mechanism);
+    readings.extend(trial.leg_order());
+    // Most files are in the base frame when they are read rightly; finding frames for every reading is the dear way.
+    let mut ways = vec![false];
+    if trial.elsewhere {
+        ways.push(true);
+    }
+    let stated = |rows: &[usize], steps: usize| {
+        let of = |way: &bool| trial.misfit(&Reading::Stated, rows, steps, *way);
+        ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
+    };
+    let (at_first, at_last) = (stated(&few, STEPS[0]), stated(&all, STEPS[1]));
+    readings.retain(|reading| trial.is_commanded(reading, &few));
+    let mut sure: Vec<(Reading, f64)> = Vec::new();
+    for way in &ways {
+        let mut found: Vec<(&Reading, f64)> = readings
+            .iter()
+            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, STEPS[0], *way)?)))
+            .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
+            .collect();
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.truncate(6);
+        sure = found
+            .into_iter()
+            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, STEPS[1], *way)?)))
+            .filter(|(reading, misfit)| misfit * BETTER < at_last && trial.explains(reading, *misfit))
+            .collect();
+        if !sure.is_empty() {
+            break;
+        }
+    }
+    sure.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (best, misfit) = sure.first().filter(|_| at_last.is_finite())?.clone();
+    let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
+    Some(Misread {
+        reading: best.name().into(),
+        detail: best.detail(),
+        factor: at_last / misfit,
+        tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
+    })
+}
+
+/// Root mean square of the moves from one pose to the next: shifts, or turns. It is the same in every frame.
+fn spread_of(poses: &[Pose], turns: bool) -> f64 {
+    let moves = poses.windows(2).map(|pair| {
+        let (a, b) = (&pair[0], &pair[1]);
+        let moved: Vector3<f64> =
+            if turns { rotation_vector(&(a.rotation.inverse() * b.rotation)) } else { b.position - a.position };
+        moved.norm_squared()
+    });
+    (moves.sum::<f64>() / poses.len().max(1) as f64).sqrt()
+}
+
+/// About `count` numbers below `n`, evenly spread.
+fn evenly(n: usize, count: usize) -> Vec<usize> {
+    let step = n.div_ceil(count).max(1);
+    (0..n).step_by(step).collect()
+}
+
+struct Trial<'a> {
+    mechanism: &'a dyn Mechanism,
+    data: &'a Dataset,
+    table: AsStated,
+    home: Vec<f64>,
+    precision: DMatrix<f64>,
+    prior: &'a Prior,
+    /// One over the σ of positions and angles.
+    weights: Vector6<f64>,
+    /// True if the file as it stands is not in the base frame.
+    elsewhere: bool,
+}
+
+impl<'a> Trial<'a> {
+    fn new(
+        mechanism: &'a dyn Mechanism,
+        data: &'a Dataset,
+        convention: &PoseConvention,
+        prior: &'a Prior,
+    ) -> Option<Self> {
+        if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
+            return None;
+        }
+        // Where nothing is commanded, poses have nothing to contradict.
+        let still = data.iter().all(|s| s.joints == data.sample(0).joints);
+        if still {
+            return None;
+        }
+        let mut table = AsStated { joints: Vec::new(), poses: Vec::new(), convention: *convention };
+        for k in 0..data.len() {
+            let (model, index) = data.reading(k);
+            table.poses.push(model.coordinates(index)?);
+            table.joints.push(data.sample(k).joints.clone());
+        }
+        let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
+        let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
+        let (precision, ..) = prior.quadratic(mechanism.values(), mechanism.parameters().len());
+        let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
+        let weights = Vector6::new(p, p, p, r, r, r);
+        Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
+    }
+
+    /// True if a misfit is a small part of what was measured: of garbage some reading is always the best.
+    fn explains(&self, reading: &Reading, misfit: f64) -> bool {
+        let all = 0..self.table.poses.len();
+        let poses: Vec<Pose> = all.filter_map(|k| Some(reading.row(&self.table, &self.home, k)?.1)).collect();
+        let moved = spread_of(&poses, false).max(spread_of(&poses, true) * characteristic_length(self.mechanism));
+        misfit / self.weights[0] < EXPLAINED * moved
+    }
+
+    /// False for a reading that makes numbers smaller which the commands do not ask for: it would fit by hiding their noise.
+    fn is_commanded(&self, reading: &Reading, rows: &[usize]) -> bool {
+        let turns = match reading {
+            Reading::AngleUnit(_, factor) if *factor < 1.0 => true,
+            Reading::LengthUnit(_, factor, false) if *factor < 1.0 => false,
+            _ => return true,
+        };
+        let at = Conditions::unknown();
+        let home = self.mechanism.home();
+        let commanded: Option<Vec<Pose>> = rows
+            .iter()
+            .map(|k| self.mechanism.forward(self.mechanism.values(), &self.table.joints[*k], &at, &home).ok())
+            .collect();
+        let read: Option<Vec<Pose>> = rows.iter().map(|k| Some(reading.row(&self.table, &self.home, *k)?.1)).collect();
+        let (Some(commanded), Some(read)) = (commanded, read) else { return true };
+        let (asked, seen) = (spread_of(&commanded, turns), spread_of(&read, turns));
+        asked < SPREAD * seen && seen < SPREAD * asked
+    }
+
+    /// The order in which the columns of the legs go best with the lengths that the measured poses ask for, if it is
+    /// another one than stated.
+    fn leg_order(&self) -> Option<Reading> {
+        let n = self.home.len();
+        if n > 8 {
+            return None;
+        }
+        let at = Conditions::unknown();
+        let asked: Vec<Vec<f64>> = (0..self.table.poses.len())
+            .filter_map(|row| {
+                let (_, pose) = Reading::Stated.row(&self.table, &self.home, row)?;
+                self.mechanism.inverse(self.mechanism.values(), &pose, &at).ok()
+            })
+            .collect();
+        if asked.len() != self.table.poses.len() {
+            return None;
+        }
+        let score = DMatrix::from_fn(n, n, |leg, column| {
+            let pairs = asked.iter().zip(&self.table.joints).map(|(a, j)| (a[leg], j[column]));
+            correlation(pairs)
+        });
+        let order = best_assignment(&score);
+        order.iter().enumerate().any(|(i, k)| i != *k).then_some(Reading::LegOrder(order))
+    }
+
+    /// Median length of the whitened misfit of a row after the parameters are fitted, in the base frame or in frames that
+    /// are found first.
+    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize, find_frames: bool) -> Option<f64> {
+        let read: Vec<(Vec<f64>, Pose)> =
+            rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
+        if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
+            return None;
+        }
+        if !find_frames {
+            return self.fitted(&read, &Frames::default(), steps);
+        }
+        let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
+        let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
+        samples.iter_mut().zip(&read).for_each(|(s, (joints, _))| s.joints.clone_from(joints));
+        let noise = self.data.noise;
+        let model: std::sync::Arc<dyn MeasurementModel> =
+            std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
+        let found = register(self.mechanism, &Dataset::new(samples, model, noise)).ok()?;
+        self.fitted(&read, &found.frames, steps)
+    }
+
+    fn fitted(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {
+        let n = self.mechanism.parameters().len();
+        let mut c = self.mechanism.values().to_vec();
+        let mut lengths = vec![0.0; read.len()];
+        let mut work = Linearization::sized_for(self.mechanism);
+        let mut a = DMatrix::zeros(6 * read.len(), n);
+        let mut r = DVector::zeros(6 * read.len());
+        for step in 0..=steps {
+            for (k, (joints, pose)) in read.iter().enumerate() {
+                let pose = frames.platform(pose);
+                self.mechanism.linearize(&c, joints, &pose, &Conditions::unknown(), &mut work);
+                if work.residual.len() != 6 {
+                    return None;
+                }
+                // The motion by which the measured pose would have to move, and its columns.
+                let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse();
+                let mut inverse = inverse.map_or_else(|| Matrix6::repeat(f64::NAN), |m| -m);
+                for (mut row, w) in inverse.row_iter_mut().zip(self.weights.iter()) {
+                    row *= *w;
+                }
+                r.fixed_rows_mut::<6>(6 * k).copy_from(&(inverse * work.residual.fixed_rows::<6>(0)));
+                if step < steps {
+                    for (j, column) in work.parameters.column_iter().enumerate() {
+                        let mut to = a.fixed_view_mut::<6, 1>(6 * k, j);
+                        to.fill(0.0);
+                        for (i, value) in column.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                            to.axpy(*value, &inverse.column(i), 1.0);
+                        }
+                    }
+                }
+            }
+            // Rows without a number, and rows that are far from the others, must not lead the fit.
+            for (k, length) in lengths.iter_mut().enumerate() {
+                *length = r.fixed_rows::<6>(6 * k).norm();
+            }
+            let usual = median(&lengths)?;
+            if step == steps {
+                break;
+            }
+            for (k, length) in lengths.iter().enumerate() {
+                let weight = if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
+                if weight < 1.0 {
+                    let rows = 6 * k..6 * k + 6;
+                    for row in rows {
+                        r[row] = if weight > 0.0 { r[row] * weight } else { 0.0 };
+                        a.row_mut(row).apply(|v| *v = if weight > 0.0 { *v * weight } else { 0.0 });
+                    }
+                }
+            }
+            let mut normal = a.transpose() * &a + &self.precision;
+            for k in 0..n {
+                normal[(k, k)] *= 1.0 + 1e-12;
+            }
+            let (_, gradient, _) = self.prior.quadratic(&c, n);
+            let delta = Cholesky::new(normal)?.solve(&(a.tr_mul(&r) + gradient));
+            c.iter_mut().zip(delta.iter()).for_each(|(c, d)| *c -= d);
+        }
+        // An exact file leaves rounding; far below the noise there is nothing to compare.
+        median(&lengths).map(|m| m.max(1e-3))
+    }
+}
+
+/// The median of what is finite, if that is most of it.
+fn median(values: &[f64]) -> Option<f64> {
+    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    (2 * finite.len() > values.len()).then(|| finite[finite.len() / 2])
+}

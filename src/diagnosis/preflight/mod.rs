@@ -1,0 +1,5 @@
+//! TODO
+
+pub(crate) mod assignment;
+pub(crate) mod compare;
+pub(crate) mod misreadings;

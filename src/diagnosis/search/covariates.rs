@@ -1,0 +1,62 @@
+//! What was recorded with the samples, and what follows from the commands.
+
+use crate::measurement::Dataset;
+
+/// A covariate of every sample.
+#[derive(Clone, Debug)]
+pub(crate) struct Covariate {
+    pub(crate) name: String,
+    /// The leg that it belongs to; `None` if it concerns all.
+    pub(crate) leg: Option<usize>,
+    pub(crate) values: Vec<f64>,
+    /// True if waves in it are looked for.
+    pub(crate) waves: bool,
+}
+
+impl Covariate {
+    pub(crate) fn range(&self) -> (f64, f64) {
+        self.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)))
+    }
+
+    /// Scaled to -1 … 1.
+    pub(crate) fn scaled(&self) -> Vec<f64> {
+        let (low, high) = self.range();
+        self.values.iter().map(|v| 2.0 * (v - low) / (high - low) - 1.0).collect()
+    }
+}
+
+/// The recorded and derived covariates that change.
+pub(crate) fn covariates(data: &Dataset) -> Vec<Covariate> {
+    let mut all: Vec<Covariate> = Vec::new();
+    let mut add = |name: String, leg: Option<usize>, waves: bool, get: &dyn Fn(usize) -> Option<f64>| {
+        let values: Option<Vec<f64>> = (0..data.len()).map(get).collect();
+        if let Some(values) = values {
+            let covariate = Covariate { name, leg, values, waves };
+            let (low, high) = covariate.range();
+            if high - low > 1e-9 * low.abs().max(high.abs()) {
+                all.push(covariate);
+            }
+        }
+    };
+    let Some(first) = (!data.is_empty()).then(|| data.sample(0)) else { return all };
+    let names: Vec<&String> = first.conditions.covariates.keys().collect();
+    for name in &names {
+        let leg = name.strip_prefix("temp_leg").and_then(|n| n.parse::<usize>().ok()?.checked_sub(1));
+        let waves = matches!(name.as_str(), "time" | "azimuth");
+        add((*name).clone(), leg, waves, &|k| data.sample(k).conditions.get(name));
+    }
+    if !names.iter().any(|n| *n == "temp_legs") {
+        add("temp_legs".into(), None, false, &|k| data.sample(k).conditions.leg_temperature());
+    }
+    if !names.iter().any(|n| *n == "time") {
+        add("row".into(), None, true, &|k| Some(data.sample(k).row as f64));
+    }
+    for leg in 0..first.joints.len() {
+        add(format!("length_leg{}", leg + 1), Some(leg), true, &|k| data.sample(k).joints.get(leg).copied());
+        add(format!("travel_leg{}", leg + 1), Some(leg), false, &|k| {
+            let s = data.sample(k);
+            Some(s.joints.get(leg)? - s.conditions.previous_joints.as_ref()?.get(leg)?)
+        });
+    }
+    all
+}

@@ -1,0 +1,175 @@
+//! The search for names: score tests of the whole catalogue beside the present model, one step at a time.
+
+use nalgebra::DMatrix;
+
+use crate::diagnosis::DiagnoseError;
+use crate::diagnosis::linear::design_matrix::Table;
+use crate::diagnosis::linear::hypotheses::Group;
+use crate::diagnosis::linear::model::{Candidate, Fitting, Model, columns_of};
+use crate::diagnosis::linear::statistics::log_mean;
+use crate::solve::svd;
+
+/// Family-wise level of the catalogue.
+pub(crate) const LEVEL: f64 = 0.004;
+/// Rivals within this many nats are ties: a factor of 20.
+pub(crate) const TIED: f64 = 2.995_732_273_553_991;
+/// Evidence, nats, that a further name needs.
+const SECOND: f64 = 3.0;
+/// Most names in one answer.
+const MOST: usize = 4;
+/// Rounds of removing and swapping after each addition.
+const ROUNDS: usize = 6;
+
+/// How an effect does beside a model.
+#[derive(Clone, Debug)]
+pub(crate) struct Score {
+    /// The effect at its best place.
+    pub(crate) candidate: Candidate,
+    /// Gain at the best place.
+    pub(crate) gain: f64,
+    /// Directions of it that the data see.
+    pub(crate) rank: usize,
+    /// Probability by chance, places counted.
+    pub(crate) p_value: f64,
+    /// Evidence, averaged over the places.
+    pub(crate) evidence: f64,
+    /// Number of places.
+    pub(crate) places: usize,
+}
+
+/// Tests every effect of the catalogue beside a model. Effects that the data do not see have rank 0.
+pub(crate) fn scores(model: &Model<'_>, groups: &[Group]) -> Vec<Score> {
+    (0..groups.len()).map(|g| score(model, groups, g)).collect()
+}
+
+/// Tests one effect beside a model.
+pub(crate) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score {
+    let scales: Vec<f64> = groups[group].parameters.iter().map(|p| p.scale).collect();
+    let all = model.ask_everywhere(groups, group);
+    let nothing = Candidate { group, place: 0, from: None };
+    let mut best =
+        Score { candidate: nothing, gain: 0.0, rank: 0, p_value: 1.0, evidence: f64::NEG_INFINITY, places: 0 };
+    let mut least = 2.0;
+    let mut evidences = Vec::with_capacity(all.len());
+    let mut places = 0;
+    for (candidate, asked) in all {
+        let (gain, rank) = asked.gain();
+        if rank == 0 {
+            continue;
+        }
+        places += 1;
+        evidences.push(asked.evidence(&scales, &model.noise));
+        let p = model.noise.p_value(gain, rank);
+        if p < least || (p == least && gain > best.gain) {
+            least = p;
+            best = Score { candidate, gain, rank, p_value: p, ..best };
+        }
+    }
+    best.places = places;
+    best.evidence = log_mean(&evidences);
+    best.p_value = if places == 0 { 1.0 } else { (least * places as f64).min(1.0) };
+    best
+}
+
+/// What the search needs beside the table.
+pub(crate) struct Search<'a> {
+    pub(crate) table: &'a Table,
+    pub(crate) groups: &'a [Group],
+    pub(crate) fitting: Fitting,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn model(&self, candidates: Vec<Candidate>) -> Result<Model<'a>, DiagnoseError> {
+        Model::fit(self.table, self.groups, candidates, &self.fitting)
+    }
+
+    /// The best name beside a model: of those that are detected the one with the most evidence.
+    fn best(&self, model: &Model<'_>) -> Option<Score> {
+        if model.is_rounding() {
+            return None;
+        }
+        let scores = scores(model, self.groups);
+        let tests = scores.iter().filter(|s| s.rank > 0).count().max(1);
+        // Beside a large effect, what is not linear in it looks like a small one.
+        let worth = if model.candidates.is_empty() { 0.0 } else { SECOND };
+        let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > worth);
+        detected.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
+    }
+
+    /// The names of a model and one more, if one is detected, and then names removed and exchanged while that helps. `None`
+    /// if nothing is detected.
+    pub(crate) fn step(&self, model: &Model<'_>) -> Result<Option<Vec<Candidate>>, DiagnoseError> {
+        if model.candidates.len() >= MOST {
+            return Ok(None);
+        }
+        let Some(found) = self.best(model) else { return Ok(None) };
+        let mut next = model.candidates.clone();
+        next.push(found.candidate);
+        if next.len() > 1 {
+            next = self.polished(next)?;
+        }
+        Ok(Some(next))
+    }
+
+    /// Every name against all others in its place, and against none.
+    pub(crate) fn polished(&self, mut names: Vec<Candidate>) -> Result<Vec<Candidate>, DiagnoseError> {
+        for _ in 0..ROUNDS {
+            let mut changed = false;
+            let mut k = 0;
+            while k < names.len() {
+                let mut others = names.clone();
+                let removed = others.remove(k);
+                let model = self.model(others)?;
+                match self.best(&model) {
+                    // Places of the same name are chosen by their gain.
+                    Some(found) if found.candidate == removed => k += 1,
+                    Some(found) if names.contains(&found.candidate) => k += 1,
+                    Some(found) => {
+                        names[k] = found.candidate;
+                        changed = true;
+                        k += 1;
+                    }
+                    None => {
+                        names.remove(k);
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        Ok(names)
+    }
+}
+
+/// True if one of two effects is a special case of the other.
+pub(crate) fn related(groups: &[Group], one: &Candidate, other: &Candidate) -> bool {
+    let (a, b) = (&groups[one.group].effect, &groups[other.group].effect);
+    a.special_case_of().contains(&b.name()) || b.special_case_of().contains(&a.name())
+}
+
+/// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside
+/// the model `without`.
+pub(crate) fn separability(
+    without: &Model<'_>,
+    groups: &[Group],
+    named: &Candidate,
+    values: &[f64],
+    rival: &Candidate,
+    variance: f64,
+) -> f64 {
+    let theta = DMatrix::from_column_slice(values.len(), 1, values);
+    let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
+    let x = without.projected(&columns_of(without.table, groups, rival));
+    let svd = svd(x, true, false);
+    let largest = svd.singular_values.max();
+    let mut left = shape.column(0).into_owned();
+    for (u, _) in
+        svd.u.iter().flat_map(|u| u.column_iter()).zip(svd.singular_values.iter()).filter(|(_, s)| **s > 1e-6 * largest)
+    {
+        let along = u.dot(&left);
+        left.axpy(-along, &u, 1.0);
+    }
+    left.norm_squared() / variance
+}

@@ -1,0 +1,174 @@
+//! Effects on the measurement, as parameters of the measurement.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, Matrix6xX, Rotation3, Vector6};
+
+use crate::conditions::Conditions;
+use crate::effect::context::Home;
+use crate::effect::{ActiveEffect, Acts, Perturbation, Setting, Site, Surroundings};
+use crate::measurement::{Dataset, Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame};
+use crate::mechanism::{GeometryError, Mechanism, ParameterSpec};
+use crate::pose::Pose;
+
+/// A measurement through an instrument that drifts, steps or sags.
+///
+/// Its own parameters are those of the measurement behind it, then those of the effects.
+#[derive(Debug)]
+pub struct SeenThrough {
+    inner: Arc<dyn MeasurementModel>,
+    mechanism: Box<dyn Mechanism>,
+    surroundings: Arc<Surroundings>,
+    home: Home,
+    effects: Vec<ActiveEffect>,
+    samples: Vec<Sample>,
+    specs: Vec<ParameterSpec>,
+    joint_motion: Matrix6xX<f64>,
+}
+
+impl SeenThrough {
+    /// The same data seen through those of the effects that act on the measurement; unchanged if there are none.
+    /// `mechanism` is the one without effects.
+    ///
+    /// # Errors
+    /// [`GeometryError`] if the mechanism cannot be copied.
+    pub fn wrap(
+        data: &Dataset,
+        mechanism: &dyn Mechanism,
+        surroundings: &Arc<Surroundings>,
+        effects: &[ActiveEffect],
+    ) -> Result<Dataset, GeometryError> {
+        let effects: Vec<ActiveEffect> =
+            effects.iter().filter(|e| e.effect.acts_on() == Acts::Measurement).cloned().collect();
+        if effects.is_empty() {
+            return Ok(data.clone());
+        }
+        let copy = mechanism.with_values(mechanism.values(), mechanism.home())?;
+        let home = Home::of(mechanism, surroundings);
+        let inner = Arc::clone(data.model());
+        let mut specs = inner.own_parameters().to_vec();
+        let setting = Setting::with_home(mechanism, surroundings, home.clone());
+        effects.iter().for_each(|e| specs.extend(e.specs(&setting)));
+        let joint_motion = Matrix6xX::zeros(mechanism.joints().len());
+        let model = Self {
+            inner,
+            mechanism: copy,
+            surroundings: Arc::clone(surroundings),
+            home,
+            effects,
+            samples: data.all_samples().to_vec(),
+            specs,
+            joint_motion,
+        };
+        Ok(data.with_model(Arc::new(model)))
+    }
+
+    /// Motion of the reading per unit of each parameter of the effects.
+    fn units(&self, sample: usize, pose: &Pose) -> Vec<Vector6<f64>> {
+        let setting = Setting::with_home(self.mechanism.as_ref(), &self.surroundings, self.home.clone());
+        let Sample { joints, conditions, .. } = &self.samples[sample];
+        let (values, joint_motion) = (self.mechanism.values(), &self.joint_motion);
+        let site = Site { setting: &setting, values, joints, pose, conditions, joint_motion };
+        Perturbation::per_unit(&self.effects, &site).iter().map(|p| p.pose).collect()
+    }
+}
+
+/// Where an instrument with these effects sees the platform. Effects on the mechanism are left out.
+pub fn seen(
+    effects: &[ActiveEffect],
+    setting: &Setting<'_>,
+    joints: &[f64],
+    pose: &Pose,
+    conditions: &Conditions,
+) -> Pose {
+    let joint_motion = Matrix6xX::zeros(joints.len());
+    let values = setting.mechanism.values();
+    let site = Site { setting, values, joints, pose, conditions, joint_motion: &joint_motion };
+    let mut out = Perturbation::sized(values.len(), joints.len());
+    for effect in effects.iter().filter(|e| e.effect.acts_on() == Acts::Measurement) {
+        effect.effect.perturb(&effect.values, &effect.at, &site, &mut out);
+    }
+    pose.moved(&out.pose)
+}
+
+/// Rounds in which a pose is found from what is seen; the motions are micrometres, so that three are enough.
+const ROUNDS: usize = 10;
+
+/// Where the platform must be to be seen at a pose.
+pub fn to_be_seen_at(
+    effects: &[ActiveEffect],
+    setting: &Setting<'_>,
+    joints: &[f64],
+    pose: &Pose,
+    conditions: &Conditions,
+) -> Pose {
+    let mut at = *pose;
+    for _ in 0..ROUNDS {
+        let motion = at.motion_to(&seen(effects, setting, joints, &at, conditions));
+        at = Pose {
+            position: pose.position - motion.fixed_rows::<3>(0),
+            rotation: Rotation3::from_scaled_axis(-motion.fixed_rows::<3>(3)) * pose.rotation,
+        };
+    }
+    at
+}
+
+impl MeasurementModel for SeenThrough {
+    fn describe(&self) -> String {
+        let names: Vec<String> = self.effects.iter().map(ActiveEffect::label).collect();
+        format!("{} seen through {}", self.inner.describe(), names.join(", "))
+    }
+
+    fn samples(&self) -> usize {
+        self.inner.samples()
+    }
+
+    fn rows(&self, sample: usize) -> Vec<RowKind> {
+        self.inner.rows(sample)
+    }
+
+    fn own_parameters(&self) -> &[ParameterSpec] {
+        &self.specs
+    }
+
+    fn start(&self, poses: &[Option<Pose>], frames: &Frames) -> Vec<f64> {
+        let mut start = self.inner.start(poses, frames);
+        start.extend(self.effects.iter().flat_map(|e| &e.values));
+        start
+    }
+
+    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+        let first = self.inner.own_parameters().len();
+        let (inner, theta) = own.split_at(first);
+        let units = self.units(sample, pose);
+        let motion = units.iter().zip(theta).fold(Vector6::zeros(), |sum: Vector6<f64>, (u, t)| sum + u * *t);
+        let mut rows = Rows::sized(out.residual.len(), first);
+        self.inner.evaluate(sample, &pose.moved(&motion), frames, inner, &mut rows);
+        for (k, unit) in units.iter().enumerate() {
+            out.own.set_column(first + k, &(&rows.motion * unit));
+        }
+        out.own.columns_mut(0, first).copy_from(&rows.own);
+        out.residual = rows.residual;
+        out.motion = rows.motion;
+    }
+
+    fn covariance(&self, sample: usize, frames: &Frames) -> DMatrix<f64> {
+        self.inner.covariance(sample, frames)
+    }
+
+    fn rigid_pose(&self, sample: usize) -> Option<Pose> {
+        self.inner.rigid_pose(sample)
+    }
+
+    fn coordinates(&self, sample: usize) -> Option<[f64; 6]> {
+        self.inner.coordinates(sample)
+    }
+
+    fn target_frame(&self) -> TargetFrame {
+        self.inner.target_frame()
+    }
+
+    fn point(&self, sample: usize) -> Option<PointReading> {
+        self.inner.point(sample)
+    }
+}

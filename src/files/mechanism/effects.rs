@@ -1,0 +1,282 @@
+//! `[[effect]]`: from entries of a mechanism file to effects with values, and back.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::conditions::Conditions;
+use crate::effect::{
+    ActiveEffect, Acts, Effect, Extended, Recorded, Scan, ScanPoint, Setting, Surroundings, catalogue, effect,
+    effects_of, without_effects,
+};
+use crate::files::error::FileError;
+use crate::files::machine::Machine;
+use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::entries::EffectEntry;
+use crate::files::mechanism::read::Reader;
+use crate::measurement::Frames;
+use crate::mechanism::{Mechanism, Workspace};
+
+/// What is wrong with an entry: the key, if it is one, and the problem.
+struct Trouble {
+    key: Option<&'static str>,
+    problem: String,
+}
+
+fn trouble(key: &'static str, problem: impl Into<String>) -> Trouble {
+    Trouble { key: Some(key), problem: problem.into() }
+}
+
+/// The effect that an entry states.
+fn active(entry: &EffectEntry, setting: &Setting<'_>) -> Result<ActiveEffect, Trouble> {
+    let name = &entry.name;
+    let Some(found) = effect(name) else {
+        let all: Vec<String> = catalogue().iter().map(|e| e.name().to_owned()).collect();
+        return Err(trouble("name", format!("'{name}' is no effect; those that are known are {}", all.join(", "))));
+    };
+    let at = place(entry, found.as_ref(), setting)?;
+    let lacking = found.missing(setting, &Recorded::everything(setting, &at));
+    if !lacking.is_empty() {
+        let problem = format!("needs {}; state it, or delete the effect", lacking.join(" and "));
+        return Err(Trouble { key: None, problem });
+    }
+    let expected: Vec<String> = found.parameters(setting).into_iter().map(|p| p.name).collect();
+    for (key, values) in [("parameters", &entry.parameters), ("sigma", &entry.sigma)] {
+        if let Some(unknown) = values.keys().find(|k| !expected.contains(k)) {
+            return Err(trouble(key, format!("'{unknown}' is no parameter of it; those are {}", expected.join(", "))));
+        }
+    }
+    let mut values = Vec::with_capacity(expected.len());
+    for name in &expected {
+        let Some(value) = entry.parameters.get(name) else {
+            return Err(trouble("parameters", format!("'{name}' is missing; it has {}", expected.join(", "))));
+        };
+        values.push(*value);
+    }
+    let numbers = [("parameters", &entry.parameters), ("sigma", &entry.sigma), ("reference", &entry.reference)];
+    let ranges = entry.range.iter().flat_map(|(name, range)| range.iter().map(move |v| ("range", name, v)));
+    let all =
+        numbers.iter().flat_map(|(key, values)| values.iter().map(move |(name, v)| (*key, name, v))).chain(ranges);
+    if let Some((key, name, value)) = all.into_iter().find(|(_, _, v)| !v.is_finite()) {
+        return Err(trouble(key, format!("'{name}' is {value}, not a finite number; write a number")));
+    }
+    if let Some((name, [low, high])) = entry.range.iter().find(|(_, [low, high])| low > high) {
+        return Err(trouble("range", format!("'{name}' is [{low}, {high}], no interval; write [smallest, largest]")));
+    }
+    Ok(ActiveEffect { effect: found, at, values, range: entry.range.clone() })
+}
+
+/// Where in its scan an effect acts.
+fn place(entry: &EffectEntry, effect: &dyn Effect, setting: &Setting<'_>) -> Result<ScanPoint, Trouble> {
+    let at = ScanPoint { leg: entry.leg.map(|leg| leg.wrapping_sub(1)), row: entry.row, covariate: entry.of.clone() };
+    let scan = effect.scan(setting, &Recorded::everything(setting, &at));
+    let legs = setting.joints();
+    let choices = match &scan {
+        Scan::Covariates(names) => names.join(", "),
+        _ => String::new(),
+    };
+    let stated = [
+        ("leg", entry.leg.is_some(), matches!(scan, Scan::Legs | Scan::LegsAndRows), format!("the leg, 1 to {legs}")),
+        ("row", entry.row.is_some(), matches!(scan, Scan::Rows | Scan::LegsAndRows), "the data row, from 0".into()),
+        ("of", entry.of.is_some(), matches!(scan, Scan::Covariates(_)), format!("one of {choices}")),
+    ];
+    for (key, stated, needed, what) in stated {
+        if needed && !stated {
+            return Err(trouble(key, format!("is missing; state {what}")));
+        }
+        if stated && !needed {
+            return Err(trouble(key, "means nothing for this effect; delete it"));
+        }
+    }
+    if at.leg.is_some_and(|leg| leg >= legs) {
+        let leg = entry.leg.unwrap_or(0);
+        return Err(trouble("leg", format!("there is no leg {leg}; legs are numbered from 1 to {legs}")));
+    }
+    if let (Scan::Covariates(names), Some(of)) = (&scan, &entry.of)
+        && !names.contains(of)
+        && !is_width(names, of)
+    {
+        return Err(trouble("of", format!("'{of}' is not possible; state one of {choices}")));
+    }
+    Ok(at)
+}
+
+/// True for a width of play such as `12um` where widths are expected: any will do, not only those that are tried out.
+fn is_width(tried: &[String], of: &str) -> bool {
+    let width = |text: &str| text.strip_suffix("um").and_then(|v| v.parse::<f64>().ok()).is_some_and(|v| v > 0.0);
+    tried.iter().all(|t| width(t)) && width(of)
+}
+
+/// What the entries of a document make of a mechanism.
+pub(crate) struct Effects {
+    pub(crate) mechanism: Box<dyn Mechanism>,
+    pub(crate) instrument: Vec<ActiveEffect>,
+    pub(crate) surroundings: Arc<Surroundings>,
+}
+
+/// Puts the effects of a document around a mechanism.
+pub(crate) fn with_effects(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    mechanism: Box<dyn Mechanism>,
+    surroundings: Surroundings,
+) -> Result<Effects, FileError> {
+    let mut surroundings = surroundings;
+    let place = |k: usize| format!("effect {} '{}'", k + 1, document.effects[k].name);
+    for (k, entry) in document.effects.iter().enumerate() {
+        for (covariate, value) in &entry.reference {
+            let wrong = |problem: String| r.value(format!("{}, `reference`", place(k)), problem);
+            if surroundings.reference_temperature.is_some() {
+                return Err(wrong("means nothing beside reference_temperature_degC; delete one of them".into()));
+            }
+            let known = surroundings.references.insert(covariate.clone(), *value).filter(|known| known != value);
+            if let Some(known) = known {
+                return Err(wrong(format!(
+                    "'{covariate}' is {value}, and {known} in an entry before; state one value"
+                )));
+            }
+        }
+    }
+    let mut all: Vec<ActiveEffect> = Vec::with_capacity(document.effects.len());
+    {
+        let setting = Setting::new(mechanism.as_ref(), &surroundings);
+        for (k, entry) in document.effects.iter().enumerate() {
+            let found = active(entry, &setting).map_err(|t| about(r, &place(k), t))?;
+            if all.iter().any(|other| other.label() == found.label()) {
+                let problem = format!("{} stands twice; keep one of them", found.label());
+                return Err(r.value(place(k), problem));
+            }
+            all.push(found);
+        }
+    }
+    let surroundings = Arc::new(surroundings);
+    let (moving, instrument): (Vec<_>, Vec<_>) = all.into_iter().partition(|e| e.effect.acts_on() == Acts::Mechanism);
+    let mechanism: Box<dyn Mechanism> = match moving.is_empty() {
+        true => mechanism,
+        false => Box::new(Extended::new(mechanism, Arc::clone(&surroundings), moving)),
+    };
+    Ok(Effects { mechanism, instrument, surroundings })
+}
+
+fn about(r: &Reader<'_>, place: &str, trouble: Trouble) -> FileError {
+    let place = trouble.key.map_or_else(|| place.to_owned(), |key| format!("{place}, `{key}`"));
+    r.value(place, trouble.problem)
+}
+
+impl Machine {
+    /// The mechanism without the effects of its file.
+    pub fn plain(&self) -> &dyn Mechanism {
+        without_effects(self.mechanism.as_ref())
+    }
+
+    /// The effects of its file that act on the measurement and not on the mechanism. Data that are read are seen through
+    /// them.
+    pub fn instrument(&self) -> &[ActiveEffect] {
+        &self.instrument
+    }
+
+    /// All effects of its file: those on the mechanism, then those on the measurement.
+    pub fn effects(&self) -> Vec<ActiveEffect> {
+        effects_of(self.mechanism.as_ref()).iter().chain(&self.instrument).cloned().collect()
+    }
+
+    /// The effect that an entry states for this machine; `place` is what errors call the entry.
+    ///
+    /// # Errors
+    /// [`FileError::Value`] for what a mechanism file with this entry would be refused for.
+    pub fn effect(&self, entry: &EffectEntry, place: &str) -> Result<ActiveEffect, FileError> {
+        let r = Reader { path: &self.path, length: self.length_unit, angle: self.angle_unit };
+        active(entry, &Setting::new(self.plain(), &self.surroundings)).map_err(|t| about(&r, place, t))
+    }
+
+    /// Takes the means of temperatures of these states for the references that the file does not state but an effect
+    /// needs, and says so; `list` is what the states are called.
+    pub fn refer_to<'a>(&mut self, states: impl Iterator<Item = &'a Conditions>, list: &str) -> Option<String> {
+        let effects = self.effects();
+        let mut wanted: Vec<String> = {
+            let setting = Setting::new(self.plain(), &self.surroundings);
+            let names = effects.iter().flat_map(|e| e.temperatures(&setting));
+            names.filter(|name| self.surroundings.reference(name).is_none()).collect()
+        };
+        wanted.sort();
+        wanted.dedup();
+        if wanted.is_empty() {
+            return None;
+        }
+        let means = self.surroundings.with_references_among(states).references;
+        let mut surroundings = Surroundings::clone(&self.surroundings);
+        let mut said = Vec::new();
+        for name in wanted {
+            if let Some(mean) = means.get(&name) {
+                said.push(format!("{name} {mean:.3} degC"));
+                surroundings.references.insert(name, *mean);
+            }
+        }
+        self.surroundings = Arc::new(surroundings);
+        let plain = self.plain();
+        // The values are those of the mechanism itself, which it takes.
+        if let Ok(inner) = plain.with_values(plain.values(), plain.home()) {
+            let moving = effects_of(self.mechanism.as_ref()).to_vec();
+            if !moving.is_empty() {
+                self.mechanism = Box::new(Extended::new(inner, Arc::clone(&self.surroundings), moving));
+            }
+        }
+        let means = said.join(", ");
+        let message = "reference temperatures that the mechanism file does not state are the means";
+        (!said.is_empty()).then(|| format!("{message} of {list}: {means}"))
+    }
+
+    /// The file for another state of the mechanism without effects, and with these effects: what [`Self::document_of`]
+    /// writes, and one entry for each effect with the reference temperatures in `surroundings` that it needs. `sigmas` are
+    /// 1σ of the values of each effect, or empty.
+    ///
+    /// # Errors
+    /// [`FileError::Value`] for a mechanism of another kind.
+    pub fn document_with_effects(
+        &self,
+        mechanism: &dyn Mechanism,
+        workspace: Option<&Workspace>,
+        frames: &Frames,
+        effects: &[ActiveEffect],
+        sigmas: &[Vec<f64>],
+        surroundings: &Surroundings,
+    ) -> Result<MechanismDocument, FileError> {
+        let mut document = self.document_of(mechanism, workspace, &[], frames)?;
+        document.effects = self.effect_entries(effects, sigmas, surroundings);
+        Ok(document)
+    }
+
+    /// One entry for each effect, with the reference temperatures that it needs and `surroundings` has. `sigmas` are 1σ of
+    /// the values of each effect, or empty; what is not finite is left out.
+    pub fn effect_entries(
+        &self,
+        effects: &[ActiveEffect],
+        sigmas: &[Vec<f64>],
+        surroundings: &Surroundings,
+    ) -> Vec<EffectEntry> {
+        let setting = Setting::new(self.plain(), surroundings);
+        let entry = |(k, effect)| entry(effect, sigmas.get(k).map_or(&[], Vec::as_slice), &setting);
+        effects.iter().enumerate().map(entry).collect()
+    }
+}
+
+fn entry(active: &ActiveEffect, sigma: &[f64], setting: &Setting<'_>) -> EffectEntry {
+    let names: Vec<String> = active.effect.parameters(setting).into_iter().map(|p| p.name).collect();
+    let table = |values: &[f64]| -> BTreeMap<String, f64> {
+        let known = names.iter().cloned().zip(values.iter().copied());
+        known.filter(|(_, v)| v.is_finite()).collect()
+    };
+    let surroundings = setting.surroundings;
+    let common = surroundings.reference_temperature.is_some();
+    let temperatures = active.temperatures(setting).into_iter().filter(|_| !common);
+    let reference = temperatures.filter_map(|name| Some((name.clone(), *surroundings.references.get(&name)?)));
+    EffectEntry {
+        name: active.effect.name().to_owned(),
+        leg: active.at.leg.map(|leg| leg + 1),
+        row: active.at.row,
+        of: active.at.covariate.clone(),
+        parameters: table(&active.values),
+        sigma: table(sigma),
+        range: active.range.clone(),
+        reference: reference.collect(),
+    }
+}

@@ -1,0 +1,59 @@
+//! What a mechanism file states about the world around the mechanism, SI.
+
+use std::collections::BTreeMap;
+
+use crate::effect::{Sensor, Surroundings};
+use crate::files::error::FileError;
+use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::entries::SensorEntry;
+use crate::files::mechanism::read::Reader;
+use crate::mechanism::Body;
+use crate::units::{Dimension, Unit};
+
+/// The surroundings of a document, without the reference temperatures of its effects and without the joints at home.
+pub(crate) fn surroundings(r: &Reader<'_>, document: &MechanismDocument) -> Result<Surroundings, FileError> {
+    let reference = document.reference_temperature;
+    let platform = document.platform.as_ref();
+    let point = |place: &str, p: Option<[f64; 3]>| p.map(|v| r.point(place, &v)).transpose();
+    let mass = platform.and_then(|p| p.mass_kg);
+    let pitch = document.actuator.as_ref().and_then(|a| a.screw_pitch);
+    let mut sensors: Vec<Sensor> = Vec::with_capacity(document.sensors.len());
+    for (k, entry) in document.sensors.iter().enumerate() {
+        let sensor = sensor(r, k, entry)?;
+        if let Some(other) = sensors.iter().position(|s| s.covariate == sensor.covariate) {
+            let problem = format!("'{}' is that of sensor {} already; name another", entry.covariate, other + 1);
+            return Err(r.value(format!("sensor {}, `covariate`", k + 1), problem));
+        }
+        sensors.push(sensor);
+    }
+    Ok(Surroundings {
+        reference_temperature: reference.map(|v| r.finite("reference_temperature_degC", v)).transpose()?,
+        references: BTreeMap::new(),
+        mass: mass.map(|v| r.known("[platform] mass_kg", v)).transpose()?,
+        centre_of_mass: point("[platform] centre_of_mass", platform.and_then(|p| p.centre_of_mass))?,
+        payload_centre: point("[platform] payload_centre", platform.and_then(|p| p.payload_centre))?,
+        screw_pitch: pitch.map(|v| Ok(r.length.to_si(r.known("[actuator] screw_pitch", v)?))).transpose()?,
+        sensors,
+        home_joints: None,
+    })
+}
+
+fn sensor(r: &Reader<'_>, k: usize, entry: &SensorEntry) -> Result<Sensor, FileError> {
+    let place = |key: &str| format!("sensor {}, `{key}`", k + 1);
+    let name = &entry.covariate;
+    let with_unit = name
+        .rsplit_once('_')
+        .is_some_and(|(_, unit)| Unit::named(unit).is_some_and(|u| u.dimension == Dimension::Temperature));
+    if !name.starts_with("temp_") || with_unit {
+        let problem =
+            "is no name of temperatures; write that of the data column without its unit, such as \"temp_base1\"";
+        return Err(r.value(place("covariate"), format!("'{name}' {problem}")));
+    }
+    let (body, key, at) = match (entry.platform, entry.base) {
+        (Some(at), None) => (Body::Platform, "platform", at),
+        (None, Some(at)) => (Body::Base, "base", at),
+        (None, None) => return Err(r.value(place("base"), "or `platform` is missing; state where the sensor sits")),
+        (Some(_), Some(_)) => return Err(r.value(place("base"), "and `platform` are both stated; keep one of them")),
+    };
+    Ok(Sensor { covariate: name.clone(), body, place: r.point(&place(key), &at)? })
+}

@@ -1,0 +1,170 @@
+//! What a column of a table means, from its name.
+
+use crate::files::table::joint_columns::JointColumn;
+use crate::mechanism::{JointSpec, Mechanism};
+use crate::units::{Dimension, Unit};
+
+/// Meaning of a column.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    /// Label of the row.
+    Id,
+    /// Coordinate of a joint.
+    Joint(usize),
+    /// Coordinate of the measured pose.
+    Pose(usize),
+    /// Component w x y z of the measured rotation.
+    Quaternion(usize),
+    /// Coordinate of a target, by name and axis.
+    Target(String, usize),
+    /// 1σ of a coordinate of the measured pose.
+    Sigma(usize),
+    /// Height of the tip over the plane.
+    Contact,
+    /// 1σ of such a height.
+    SigmaContact,
+    /// Coordinate of the commanded pose.
+    Commanded(usize),
+    /// Clock time.
+    Clock,
+    /// Anything else that is a number, by name without unit.
+    Covariate(String),
+}
+
+/// A column with the unit that its name states.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) meaning: Meaning,
+    pub(crate) unit: Option<Unit>,
+    /// Set if the column holds the coordinate of a URDF joint instead of a length.
+    pub(crate) joint: Option<JointColumn>,
+}
+
+pub(crate) const POSE_NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// Dimension of a pose coordinate.
+pub(crate) fn pose_dimension(k: usize) -> Dimension {
+    if k < 3 { Dimension::Length } else { Dimension::Angle }
+}
+
+/// The column that a name stands for.
+///
+/// # Errors
+/// What is wrong with the name, and what to do.
+pub(crate) fn column(
+    name: &str,
+    header: &[String],
+    mechanism: &dyn Mechanism,
+    targets: &[String],
+    joints: &[JointColumn],
+) -> Result<Column, String> {
+    let (base, unit) = match name.rsplit_once('_') {
+        Some((base, suffix)) => match Unit::named(suffix) {
+            Some(unit) => (base, Some(unit)),
+            None => (name, None),
+        },
+        None => (name, None),
+    };
+    let pose = |text: &str| POSE_NAMES.iter().position(|n| *n == text);
+    let with = |meaning: Meaning, dimension: Dimension| match unit {
+        Some(unit) if unit.dimension == dimension => {
+            Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
+        }
+        Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
+        None => Err(missing_unit(name, base, dimension)),
+    };
+    if name == "id" {
+        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None, joint: None });
+    }
+    if name == "time_utc" {
+        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None, joint: None });
+    }
+    if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
+        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None, joint: None });
+    }
+    // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
+    // `leg1_mm`, though, `leg1_load` is one.
+    let stem = name.rsplit_once('_').map_or(name, |(stem, _)| stem);
+    let proper = |h: &String| h.rsplit_once('_').is_some_and(|(s, unit)| s == stem && Unit::named(unit).is_some());
+    let meant = if header.iter().any(proper) { base } else { stem };
+    for candidate in [base, meant] {
+        if let Some(k) = joint(candidate, mechanism.joints()) {
+            return with(Meaning::Joint(k), mechanism.joints()[k].dimension);
+        }
+        if let Some(k) = pose(candidate) {
+            return with(Meaning::Pose(k), pose_dimension(k));
+        }
+        if let Some(k) = candidate.strip_prefix("sigma_").and_then(pose) {
+            return with(Meaning::Sigma(k), pose_dimension(k));
+        }
+        if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
+            return with(Meaning::Commanded(k), pose_dimension(k));
+        }
+        if candidate == "contact" {
+            return with(Meaning::Contact, Dimension::Length);
+        }
+        if candidate == "sigma_contact" {
+            return with(Meaning::SigmaContact, Dimension::Length);
+        }
+        if let Some((target, axis)) = target(candidate, targets) {
+            return with(Meaning::Target(target, axis), Dimension::Length);
+        }
+        if candidate.starts_with("temp_") {
+            return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
+        }
+        if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
+            if unit.is_none() {
+                let choices = Dimension::Length.choices();
+                return Err(format!("the name must end in a unit ({choices}), such as '{}_mm'", joint.name));
+            }
+            let column = with(Meaning::Joint(joint.leg), Dimension::Length)?;
+            return Ok(Column { joint: Some(joint.clone()), ..column });
+        }
+    }
+    if leg_number(base).is_some() {
+        let legs = mechanism.joints().len();
+        if mechanism.joints().iter().all(|j| leg_number(&j.name).is_none()) {
+            let joints: Vec<&str> = mechanism.joints().iter().map(|j| j.name.as_str()).collect();
+            let joints = joints.join(", ");
+            return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
+        }
+        return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
+    }
+    if base.contains(|c: char| c.is_ascii_uppercase()) {
+        // Capitals would turn a measured coordinate into a covariate without a word.
+        let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
+        let known = column(&small, &[], mechanism, targets, joints);
+        if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
+            return Err(format!("names are written in small letters; did you mean '{small}'?"));
+        }
+    }
+    Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
+}
+
+fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
+    let choices = dimension.choices();
+    let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
+    let stem = if name == base {
+        name.rsplit_once('_').map_or(name, |(s, _)| if s == "cmd" || s == "sigma" || s == "temp" { name } else { s })
+    } else {
+        base
+    };
+    format!("the name must end in a unit ({choices}), such as '{stem}_{first}'")
+}
+
+fn joint(name: &str, joints: &[JointSpec]) -> Option<usize> {
+    joints.iter().position(|j| j.name == name)
+}
+
+fn leg_number(name: &str) -> Option<usize> {
+    name.strip_prefix("leg")?.parse().ok()
+}
+
+/// Target and axis of `p1x`, or of the name of a target of the mechanism file with an axis.
+pub(crate) fn target(name: &str, targets: &[String]) -> Option<(String, usize)> {
+    let axis = ["x", "y", "z"].iter().position(|a| name.ends_with(a))?;
+    let stem = &name[..name.len() - 1];
+    let numbered = stem.strip_prefix('p').is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
+    (numbered || targets.iter().any(|t| t == stem)).then(|| (stem.to_owned(), axis))
+}

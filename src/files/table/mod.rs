@@ -1,0 +1,12 @@
+//! TODO
+
+pub(crate) mod column;
+pub(crate) mod joint_columns;
+pub(crate) mod measurement_file;
+pub(crate) mod planned;
+pub(crate) mod pose_file;
+pub(crate) mod readings;
+pub(crate) mod states;
+pub(crate) mod text_table;
+pub(crate) mod time;
+pub(crate) mod writer;

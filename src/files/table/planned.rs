@@ -1,0 +1,206 @@
+//! Campaigns that are only planned: poses, and the conditions under which they will be measured.
+//!
+//! Where nobody states conditions there is a reference campaign, kind to whoever looks for causes: what an effect may
+//! depend on changes, and no two of these change together. It is a fixed function of the row, so that lists
+//! of poses can be compared.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::path::Path;
+
+use crate::conditions::Conditions;
+use crate::effect::Setting;
+use crate::files::error::FileError;
+use crate::files::machine::Machine;
+use crate::files::table::column::Meaning;
+use crate::files::table::states::States;
+use crate::files::table::text_table::Table;
+use crate::measurement::Sample;
+use crate::mechanism::{Body, KinematicsError};
+use crate::pose::Pose;
+
+/// Conditions of a list, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedConditions {
+    /// The conditions in order, outside of a run.
+    pub states: Vec<Conditions>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Reads the conditions of planned measurements: the columns of a measurement file that are not measured (temperatures,
+/// elevation, azimuth, payload, time, others with numbers). Other columns are not looked at.
+///
+/// # Errors
+/// [`FileError`] naming row, column and what to do.
+pub fn read_conditions(path: impl AsRef<Path>, machine: &Machine) -> Result<PlannedConditions, FileError> {
+    let path = path.as_ref();
+    let table = Table::read(path, machine, &[])?;
+    let States { states, ignored, warnings } = States::read(&table, machine)?;
+    let is_condition =
+        |k: &usize| matches!(table.columns[*k].meaning, Meaning::Covariate(_) | Meaning::Clock) && !ignored.contains(k);
+    let columns: Vec<usize> = (0..table.columns.len()).filter(is_condition).collect();
+    if columns.is_empty() {
+        return Err(FileError::Header {
+            path: path.into(),
+            problem:
+                "has no column of conditions; expected temp_leg1_degC …, temp_platform_degC, elevation_deg, payload_kg \
+                      or others with numbers"
+                    .into(),
+        });
+    }
+    for k in columns {
+        if let Some(row) = table.rows.iter().position(|(_, cells)| cells[k].is_empty()) {
+            return Err(table.cell_error(row, k, "must not be empty; write what is planned, or delete the column"));
+        }
+    }
+    Ok(PlannedConditions { states, warnings })
+}
+
+/// Air: amplitude, K, cycles in the run, phase at its beginning.
+const AIR: (f64, f64, f64) = (3.0, 1.5, 0.25 * PI);
+/// By how many radians of the air's cycle the platform and the base are behind it; their amplitude is less accordingly.
+const BEHIND: [f64; 2] = [1.2, 1.65];
+/// How far each body wanders about that by itself, K (standard deviation).
+const WANDER: f64 = 0.8;
+/// Sines that make up a wander, and the cycles in the run above which it has half of its variance: those of a temperature
+/// that forgets over a fifteenth of the run.
+const SINES: usize = 7;
+const CORNER: f64 = 2.4;
+/// °C where the mechanism file states no reference temperature.
+const LEVEL: f64 = 20.0;
+/// Elevations, degrees, and loads, kg.
+const ELEVATIONS: [f64; 2] = [20.0, 90.0];
+const LOADS: [f64; 3] = [0.0, 50.0, 100.0];
+/// Steps of three sequences that fill a cube evenly, powers of the root of x⁴ = x + 1; and that of one, the golden ratio.
+const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_3];
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+impl Machine {
+    /// The reference campaign in words.
+    pub const REFERENCE_CONDITIONS: &str = "air through 1.5 cycles of 3 K amplitude in the run, each leg 0.8 K about it by \
+        itself, platform and base behind it; elevation 20 to 90 deg, azimuth all around, payload 0, 50 or 100 kg";
+
+    /// The conditions of the reference campaign of so many rows, outside of a run.
+    pub fn reference_conditions(&self, rows: usize) -> Vec<Conditions> {
+        let setting = Setting::new(self.plain(), self.surroundings());
+        let mut bodies: Vec<(String, Option<Body>)> = match setting.joints_are_lengths() && !setting.is_pose_space() {
+            true => (0..setting.joints()).map(|leg| (Setting::leg_temperature(leg), None)).collect(),
+            false => vec![("temp_legs".into(), None)],
+        };
+        bodies.push(("temp_platform".into(), Some(Body::Platform)));
+        bodies.push(("temp_base".into(), Some(Body::Base)));
+        bodies.extend(self.surroundings().sensors.iter().map(|s| (s.covariate.clone(), Some(s.body))));
+        let level = self.surroundings().reference_temperature.unwrap_or(LEVEL);
+        let axis = self.document.gravity_axis.unwrap_or_default();
+        let state = |row: usize| {
+            let passed = row as f64 / rows.saturating_sub(1).max(1) as f64;
+            let spread = STEPS.map(|step| (0.5 + step * row as f64).fract());
+            let mut state = Conditions::unknown();
+            for (k, (name, body)) in bodies.iter().enumerate() {
+                state.covariates.insert(name.clone(), level + air(*body, passed) + wander(k, passed));
+            }
+            let elevation = (ELEVATIONS[0] + (ELEVATIONS[1] - ELEVATIONS[0]) * spread[0]).to_radians();
+            let load = LOADS[((spread[2] * LOADS.len() as f64) as usize).min(LOADS.len() - 1)];
+            let further = [("elevation", elevation), ("azimuth", TAU * spread[1]), ("payload", load)];
+            state.covariates.extend(further.map(|(name, value)| (name.to_owned(), value)));
+            state.gravity = Some(axis.gravity(elevation));
+            state
+        };
+        (0..rows).map(state).collect()
+    }
+
+    /// The samples of a campaign: these poses in this order, commanded by the geometry without effects, each under the
+    /// conditions of its row. Fewer conditions than poses repeat, and then the time of the conditions is not taken.
+    ///
+    /// # Errors
+    /// Index of the pose and [`KinematicsError`] if there are no joints for it.
+    pub fn planned_samples(
+        &self,
+        poses: &[Pose],
+        conditions: &[Conditions],
+    ) -> Result<Vec<Sample>, (usize, KinematicsError)> {
+        let mechanism = self.plain();
+        let joints: Vec<Vec<f64>> = poses
+            .iter()
+            .enumerate()
+            .map(|(k, p)| mechanism.inverse(mechanism.values(), p, &Conditions::unknown()).map_err(|e| (k, e)))
+            .collect::<Result<_, _>>()?;
+        let mut states: Vec<Conditions> = conditions.iter().cycle().take(poses.len()).cloned().collect();
+        states.resize(poses.len(), Conditions::unknown());
+        if conditions.len() < poses.len() {
+            for state in &mut states {
+                state.covariates.remove("time");
+            }
+        }
+        Conditions::put_in_run(&mut states, joints.clone(), self.surroundings().home_joints.as_deref());
+        let sample = |(row, (joints, conditions))| Sample { id: None, row, joints, conditions };
+        Ok(joints.into_iter().zip(states).enumerate().map(sample).collect())
+    }
+}
+
+/// The air as a body follows it, K from its mean. Legs follow at once.
+fn air(body: Option<Body>, passed: f64) -> f64 {
+    let behind = match body {
+        None => 0.0,
+        Some(Body::Platform) => BEHIND[0],
+        Some(Body::Base) => BEHIND[1],
+    };
+    let (amplitude, cycles, phase) = AIR;
+    amplitude / behind.hypot(1.0) * (TAU * cycles * passed + phase - behind.atan()).sin()
+}
+
+/// What the `k`-th body does by itself, K: sines whose frequencies divide the variance of a forgetful walk evenly, with
+/// frequencies and phases of its own.
+fn wander(k: usize, passed: f64) -> f64 {
+    let golden = |number: usize| (GOLDEN * number as f64).fract();
+    let sine = |j: usize| {
+        // The fastest twentieth of the variance is left out.
+        let share = 0.95 * (j as f64 + golden((k + 1) * (j + 1))) / SINES as f64;
+        let cycles = CORNER * (FRAC_PI_2 * share).tan();
+        (TAU * (cycles * passed + golden(SINES * k + j))).sin()
+    };
+    WANDER * (2.0 / SINES as f64).sqrt() * (0..SINES).map(sine).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Standard deviation of a series, and its correlation with another.
+    fn spread_and_correlation(a: &[f64], b: &[f64]) -> (f64, f64) {
+        let n = a.len() as f64;
+        let mean = |v: &[f64]| v.iter().sum::<f64>() / n;
+        let (ma, mb) = (mean(a), mean(b));
+        let product =
+            |x: &[f64], mx: f64, y: &[f64], my: f64| x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / n;
+        let (aa, ab, bb) = (product(a, ma, a, ma), product(a, ma, b, mb), product(b, mb, b, mb));
+        (aa.sqrt(), ab / (aa * bb).sqrt())
+    }
+
+    #[test]
+    fn the_reference_campaign_is_kind() {
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml"));
+        let machine = Machine::from_text(text, "m.toml".as_ref()).unwrap();
+        for rows in [20, 60, 120] {
+            let states = machine.reference_conditions(rows);
+            let passed = |row: usize| row as f64 / (rows - 1) as f64;
+            let own: Vec<Vec<f64>> = (0..8).map(|k| (0..rows).map(|row| wander(k, passed(row))).collect()).collect();
+            for (k, one) in own.iter().enumerate() {
+                let others = own[..k].iter().map(|other| spread_and_correlation(one, other).1.abs());
+                assert!((0.7..1.0).contains(&spread_and_correlation(one, one).0), "{k}");
+                assert!(others.fold(0.0, f64::max) < 0.65, "{k}");
+            }
+            let column = |name: &str| states.iter().map(|s| s.get(name).unwrap()).collect::<Vec<_>>();
+            let names = ["temp_leg1", "temp_platform", "temp_base", "elevation", "azimuth", "payload"];
+            for (k, name) in names.iter().enumerate() {
+                for other in &names[k + 1..] {
+                    let together = spread_and_correlation(&column(name), &column(other)).1.abs();
+                    assert!(together < 0.75, "{name}, {other}: {together}");
+                }
+            }
+            let elevations = column("elevation");
+            assert!(elevations.iter().all(|e| (20_f64.to_radians()..90_f64.to_radians()).contains(e)));
+            assert!((states[0].gravity.unwrap().norm() - 1.0).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! A CSV file as columns with meanings and rows of cells.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use crate::files::error::{FileError, read_text};
+use crate::files::machine::Machine;
+use crate::files::mechanism::read::MOST;
+use crate::files::table::column::{Column, Meaning, column};
+
+/// A table whose rows all have the length of its header.
+pub(crate) struct Table {
+    pub(crate) path: PathBuf,
+    pub(crate) columns: Vec<Column>,
+    /// Line in the file and cells, by data row.
+    pub(crate) rows: Vec<(u64, Vec<String>)>,
+}
+
+impl Table {
+    /// Reads a table and what its columns mean for a machine.
+    pub(crate) fn read(path: &Path, machine: &Machine, targets: &[String]) -> Result<Self, FileError> {
+        let joints = machine.joint_columns();
+        let (header, rows) = read_cells(path)?;
+        let mut columns: Vec<Column> = Vec::with_capacity(header.len());
+        for name in &header {
+            let problem = |problem: String| FileError::Column { path: path.into(), column: name.clone(), problem };
+            if name.is_empty() {
+                return Err(problem("has no name".into()));
+            }
+            let of = |name: &str| column(name, &header, machine.mechanism.as_ref(), targets, &joints);
+            if let Some(usual) = without_brackets(name)
+                && of(&usual).is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_)))
+            {
+                return Err(problem(format!("would be taken for a condition; write it as '{usual}'")));
+            }
+            let found = of(name).map_err(problem)?;
+            if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
+                return Err(problem(if other.name == *name {
+                    "stands twice in the header; delete or rename one of them".into()
+                } else {
+                    format!("means the same as column '{}'; keep one of them", other.name)
+                }));
+            }
+            columns.push(found);
+        }
+        if rows.is_empty() {
+            return Err(no_data_row(path));
+        }
+        Ok(Self { path: path.into(), columns, rows })
+    }
+
+    /// The error of one cell.
+    pub(crate) fn cell_error(&self, row: usize, column: usize, problem: impl Into<String>) -> FileError {
+        FileError::Cell {
+            path: self.path.clone(),
+            row,
+            line: self.rows[row].0,
+            column: self.columns[column].name.clone(),
+            value: self.rows[row].1[column].clone(),
+            problem: problem.into(),
+        }
+    }
+
+    /// The number in a cell, SI; `None` if the cell is empty.
+    pub(crate) fn number(&self, row: usize, column: usize) -> Result<Option<f64>, FileError> {
+        let text = &self.rows[row].1[column];
+        if text.is_empty() {
+            return Ok(None);
+        }
+        self.parsed(row, column, "leave the cell empty if nothing was measured").map(Some)
+    }
+
+    /// The number in a cell that must not be empty.
+    pub(crate) fn required(&self, row: usize, column: usize) -> Result<f64, FileError> {
+        if self.rows[row].1[column].is_empty() {
+            return Err(self.cell_error(row, column, "must not be empty; fill it in or delete the row"));
+        }
+        self.parsed(row, column, "correct it or delete the row")
+    }
+
+    fn parsed(&self, row: usize, column: usize, advice: &str) -> Result<f64, FileError> {
+        let text = &self.rows[row].1[column];
+        let error = |problem: &str| self.cell_error(row, column, format!("{problem}; {advice}"));
+        let value: f64 = text.parse().map_err(|_| error("is not a number"))?;
+        let value = self.columns[column].unit.map_or(value, |u| u.to_si(value));
+        let value = self.columns[column].joint.as_ref().map_or(value, |j| j.length(value));
+        match value {
+            _ if !value.is_finite() => Err(error("is not a finite number")),
+            _ if value.abs() > MOST => Err(error("is too far from zero for any machine")),
+            _ => Ok(value),
+        }
+    }
+
+    /// The quaternion in four columns w x y z; `None` if their cells are empty.
+    pub(crate) fn quaternion(
+        &self,
+        row: usize,
+        columns: &[usize; 4],
+    ) -> Result<Option<UnitQuaternion<f64>>, FileError> {
+        let mut q = [0.0; 4];
+        let mut filled = 0;
+        for (component, column) in q.iter_mut().zip(columns) {
+            if let Some(v) = self.number(row, *column)? {
+                *component = v;
+                filled += 1;
+            }
+        }
+        match filled {
+            0 => return Ok(None),
+            4 => {}
+            _ => {
+                let problem = "belongs to a quaternion of which only a part is filled; fill all four cells or none";
+                return Err(self.cell_error(row, columns[0], problem));
+            }
+        }
+        let quaternion = Quaternion::new(q[0], q[1], q[2], q[3]);
+        if !((quaternion.norm() - 1.0).abs() <= 1e-3) {
+            let norm = quaternion.norm();
+            let problem = format!("belongs to a quaternion of length {norm:.6}; it must be 1, correct qw, qx, qy, qz");
+            return Err(self.cell_error(row, columns[0], problem));
+        }
+        Ok(Some(UnitQuaternion::from_quaternion(quaternion)))
+    }
+
+    /// The columns of a quaternion w x y z; `None` if there is none.
+    pub(crate) fn quaternion_columns(&self) -> Result<Option<[usize; 4]>, FileError> {
+        let find = |k| self.columns.iter().position(|c| c.meaning == Meaning::Quaternion(k));
+        let header = |problem: &str| FileError::Header { path: self.path.clone(), problem: problem.into() };
+        let columns = match [find(0), find(1), find(2), find(3)] {
+            [Some(w), Some(x), Some(y), Some(z)] => [w, x, y, z],
+            [None, None, None, None] => return Ok(None),
+            _ => return Err(header("a quaternion needs all of qw, qx, qy and qz")),
+        };
+        if self.columns.iter().any(|c| matches!(c.meaning, Meaning::Pose(3..))) {
+            return Err(header("has both a quaternion and angles; keep one of them"));
+        }
+        Ok(Some(columns))
+    }
+}
+
+/// The error of a table that ends with its header.
+pub(crate) fn no_data_row(path: &Path) -> FileError {
+    FileError::Header { path: path.into(), problem: "there is a header but no data row; add rows below it".into() }
+}
+
+/// Header and rows of a CSV file, with the line of each row.
+#[allow(clippy::type_complexity)]
+pub(crate) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<String>)>), FileError> {
+    let text = read_text(path)?;
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .has_headers(false)
+        .from_reader(text.as_bytes());
+    let mut rows: Vec<(u64, Vec<String>)> = Vec::new();
+    for record in reader.records() {
+        let record = record
+            .map_err(|e| FileError::Header { path: path.into(), problem: format!("cannot be read as CSV: {e}") })?;
+        let line = record.position().map_or(0, csv::Position::line);
+        // A line of blanks between rows is no row.
+        if record.len() == 1 && record.get(0).is_some_and(str::is_empty) {
+            continue;
+        }
+        rows.push((line, record.iter().map(str::to_owned).collect()));
+    }
+    if rows.is_empty() {
+        return Err(FileError::Header {
+            path: path.into(),
+            problem: "there is no header line; the first line names the columns".into(),
+        });
+    }
+    let (_, header) = rows.remove(0);
+    if let Some(separator) = other_separator(&header) {
+        let problem = format!(
+            "the columns are separated by {separator}; save the table with commas between columns and points in numbers"
+        );
+        return Err(FileError::Header { path: path.into(), problem });
+    }
+    for (row, (line, cells)) in rows.iter().enumerate() {
+        if cells.len() != header.len() {
+            let (found, expected) = (cells.len(), header.len());
+            return Err(FileError::RowLength { path: path.into(), row, line: *line, found, expected });
+        }
+    }
+    Ok((header, rows))
+}
+
+/// What separates the columns of a header, if it is no comma: spreadsheets of many countries write semicolons.
+fn other_separator(header: &[String]) -> Option<&'static str> {
+    let count = |separator: char| header.iter().map(|name| name.matches(separator).count()).sum::<usize>();
+    [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| count(*c) >= header.len()).map(|(_, name)| name)
+}
+
+/// `x_mm` for `X [mm]` or `x (mm)`: how a name with its unit in brackets is written here.
+fn without_brackets(name: &str) -> Option<String> {
+    let (stem, unit) = name.strip_suffix([']', ')'])?.rsplit_once(['[', '('])?;
+    let stem = stem.trim().to_lowercase().replace(' ', "_");
+    (!stem.is_empty() && !unit.trim().is_empty()).then(|| format!("{stem}_{}", unit.trim()))
+}

@@ -1,0 +1,5 @@
+//! TODO
+
+pub(crate) mod identification;
+pub(crate) mod identifiers;
+pub(crate) mod robust;

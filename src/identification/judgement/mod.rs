@@ -1,0 +1,10 @@
+//! TODO
+
+pub(crate) mod deviations;
+pub(crate) mod goodness_of_fit;
+pub(crate) mod held_out;
+pub(crate) mod model_errors;
+pub(crate) mod plausibility;
+pub(crate) mod prediction;
+pub(crate) mod verdict;
+pub(crate) mod weak_directions;

@@ -1,0 +1,110 @@
+//! Errors of a model on measured data; nothing is fitted.
+
+use crate::identification::problem::calibration_problem::{own_start, pose_from_home};
+use crate::identification::{Deviation, IdentifyError};
+use crate::measurement::{Dataset, RowKind, Rows};
+use crate::mechanism::Mechanism;
+use crate::pose::Pose;
+
+/// Error of one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseErrors {
+    /// 0-based data row.
+    pub row: usize,
+    /// Length of the position error, m (RMS over the targets if there are several); `None` if no position was
+    /// measured.
+    pub position: Option<f64>,
+    /// Length of the vector of angle errors, rad; `None` if no angle was measured.
+    pub rotation: Option<f64>,
+}
+
+impl PoseErrors {
+    /// From the rows of a reading, predicted minus measured or the other way round.
+    fn of(row: usize, readings: &[(RowKind, f64)]) -> Self {
+        let sum = |kind: RowKind| {
+            let squares: Vec<f64> = readings.iter().filter(|(k, _)| *k == kind).map(|(_, r)| r * r).collect();
+            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
+        };
+        Self { row, position: sum(RowKind::Position), rotation: sum(RowKind::Rotation) }
+    }
+}
+
+/// One number for position and one for rotation, over samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorSummary {
+    /// Over lengths of position errors, m.
+    pub position: Option<f64>,
+    /// Over lengths of angle errors, rad.
+    pub rotation: Option<f64>,
+}
+
+/// Errors of all samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelErrors {
+    /// By sample, in the order of the data.
+    pub samples: Vec<PoseErrors>,
+}
+
+impl ModelErrors {
+    /// The lengths of deviations.
+    pub fn of(deviations: &[Deviation]) -> Self {
+        Self { samples: deviations.iter().map(|d| PoseErrors::of(d.row, &d.readings)).collect() }
+    }
+
+    fn over(&self, f: impl Fn(&[f64]) -> f64) -> ErrorSummary {
+        let collect = |get: fn(&PoseErrors) -> Option<f64>| {
+            let values: Vec<f64> = self.samples.iter().filter_map(get).collect();
+            (!values.is_empty()).then(|| f(&values))
+        };
+        ErrorSummary { position: collect(|s| s.position), rotation: collect(|s| s.rotation) }
+    }
+
+    /// Root of the mean square.
+    pub fn rms(&self) -> ErrorSummary {
+        self.over(|v| (v.iter().map(|e| e * e).sum::<f64>() / v.len() as f64).sqrt())
+    }
+
+    /// Mean.
+    pub fn mean(&self) -> ErrorSummary {
+        self.over(|v| v.iter().sum::<f64>() / v.len() as f64)
+    }
+
+    /// Largest.
+    pub fn max(&self) -> ErrorSummary {
+        self.over(|v| v.iter().copied().fold(0.0, f64::max))
+    }
+}
+
+/// Compares what a mechanism predicts for each sample with what was measured.
+///
+/// `own` are the values of the measurement's own parameters; if there are too few, they are found from the
+/// predicted poses.
+///
+/// # Errors
+/// [`IdentifyError::Sample`] if a sample has no pose.
+pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
+    let samples = each_sample(mechanism, own, data, |k, _, rows| {
+        let readings: Vec<(RowKind, f64)> = data.rows(k).into_iter().zip(rows.residual.iter().copied()).collect();
+        PoseErrors::of(data.sample(k).row, &readings)
+    })?;
+    Ok(ModelErrors { samples })
+}
+
+/// Looks at each sample with its predicted pose and its residual `ŷ - y`.
+pub(crate) fn each_sample<T>(
+    mechanism: &dyn Mechanism,
+    own: &[f64],
+    data: &Dataset,
+    look: impl Fn(usize, &Pose, &Rows) -> T,
+) -> Result<Vec<T>, IdentifyError> {
+    let count = data.model().own_parameters().len();
+    let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
+    let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
+    let sample = |(k, pose): (usize, &Pose)| {
+        let mut rows = Rows::sized(data.rows(k).len(), count);
+        let (model, index) = data.reading(k);
+        model.evaluate(index, pose, &data.frames, &own, &mut rows);
+        look(k, pose, &rows)
+    };
+    Ok(poses.iter().enumerate().map(sample).collect())
+}

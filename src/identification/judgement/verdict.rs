@@ -1,0 +1,107 @@
+//! May the result be used? What speaks against it, and what the user should know.
+
+use crate::identification::{Calibration, Holdout, Identification, Implausible};
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
+use crate::units::{shortened, show_probability};
+
+/// May the result be used?
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// True if nothing speaks against it.
+    pub trusted: bool,
+    /// What speaks against it, one sentence each.
+    pub reasons: Vec<String>,
+    /// What the user should know although it does not forbid the use.
+    pub warnings: Vec<String>,
+}
+
+impl Verdict {
+    /// Adds a reason not to trust the result.
+    pub(crate) fn distrust(&mut self, reason: String) {
+        self.trusted = false;
+        self.reasons.push(reason);
+    }
+}
+
+/// A misfit this unlikely is not chance.
+const MISFIT: f64 = 1e-6;
+
+/// What the identification itself says.
+pub(crate) fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, converged: bool) -> Verdict {
+    let mut reasons = Vec::new();
+    if !converged {
+        reasons.push("the iteration did not converge".into());
+    }
+    let unknowns = found.parameters.len();
+    if found.rank < unknowns {
+        let missing = unknowns - found.rank;
+        reasons.push(format!(
+            "the poses leave {missing} of {unknowns} parameter directions undetermined and there is no prior; \
+             measure other poses or state a [tolerance]"
+        ));
+    }
+    if let Some(p) = found.misfit.p_value().filter(|p| *p < MISFIT) {
+        let scale = found.misfit.scale().unwrap_or(f64::NAN);
+        reasons.push(format!(
+            "the residuals are {scale:.3} times the stated noise, which chance does not explain (p {}); \
+             the model misses something, the file is misread, or the noise is understated",
+            show_probability(p)
+        ));
+    }
+    let mut warnings = Vec::new();
+    if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
+        reasons.push(
+            "every row is used up by parameters and no noise is stated, so nothing tells how well anything is known; \
+             state [noise] or measure more samples"
+                .into(),
+        );
+    } else if found.misfit.degrees_of_freedom == 0 {
+        warnings.push("every row is used up by parameters, so the fit cannot be checked against the noise".into());
+    }
+    let outside: Vec<String> =
+        data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();
+    if !outside.is_empty() {
+        warnings.push(format!("joints outside their stroke in data row {}", shortened(&outside)));
+    }
+    if !found.outliers.is_empty() {
+        let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
+        warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
+    }
+    Verdict { trusted: reasons.is_empty(), reasons, warnings }
+}
+
+/// Adds what the whole calibration says.
+pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
+    let warnings = &mut result.verdict.warnings;
+    if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
+        warnings.push("no errors on held-out rows: what is left without them cannot be fitted".into());
+    }
+    if result.registration.applied {
+        warnings.push(
+            "the data are in a frame of their own; the calibrated model is in the frames of the measurement \
+             (see frames)"
+                .into(),
+        );
+    }
+    let implausible = &result.plausibility.implausible;
+    let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;
+    if let Some(worst) = implausible.iter().max_by(|a, b| in_tolerances(a).total_cmp(&in_tolerances(b))) {
+        let (unit, per_si) = worst.dimension.in_tables();
+        warnings.push(format!(
+            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
+             a small residual with such values means that another cause hides in them",
+            implausible.len(),
+            worst.name,
+            per_si * worst.deviation
+        ));
+    }
+    if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {
+        let scale = result.identification.noise_scale * data.noise.position;
+        warnings.push(format!(
+            "no noise is stated; it was estimated from the residuals as {:.3} um per position coordinate",
+            1e6 * scale
+        ));
+    }
+    result
+}

@@ -1,0 +1,243 @@
+//! The four kinds from file to file: choose poses, simulate, calibrate, evaluate, compensate.
+
+use std::path::{Path, PathBuf};
+
+use crate::common::path;
+use assert_cmd::Command;
+use paracal::conditions::Conditions;
+use paracal::conformance;
+use paracal::files::{Machine, read_poses};
+use paracal::mechanism::Mechanism;
+use paracal::pose::Pose;
+use serde_json::Value;
+
+const KINDS: [&str; 4] = ["rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables"];
+
+fn program(arguments: &[&str]) -> Value {
+    let done = Command::cargo_bin("paracal").unwrap().args(arguments).arg("--json").output().unwrap();
+    let code = done.status.code().unwrap();
+    let (said, shown) = (String::from_utf8_lossy(&done.stderr), String::from_utf8_lossy(&done.stdout));
+    assert_eq!(code, 0, "{arguments:?}: {said} {}", &shown[shown.len().saturating_sub(3000)..]);
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+struct Run {
+    folder: tempfile::TempDir,
+    mechanism: String,
+}
+
+impl Run {
+    fn new(kind: &str) -> Self {
+        Self { folder: tempfile::tempdir().unwrap(), mechanism: path(&format!("mechanisms/{kind}.toml")) }
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().into()
+    }
+
+    /// Poses, data of a mechanism with drawn errors, and that mechanism.
+    fn simulated(&self, n: &str) {
+        let (poses, data, truth) = (self.file("poses.csv"), self.file("data.csv"), self.file("truth.toml"));
+        let chosen = program(&["select", &self.mechanism, "-n", n, "--candidates", "300", "-o", &poses]);
+        assert!(chosen["efficiency"].as_f64().unwrap() > 0.9, "{chosen}");
+        program(&[
+            "simulate",
+            &self.mechanism,
+            "--poses",
+            &poses,
+            "--error-sd",
+            "0.1mm",
+            "-o",
+            &data,
+            "--truth",
+            &truth,
+        ]);
+    }
+}
+
+/// Largest distance between where the platform should be and where the true mechanism goes, in the coordinates that
+/// the joints control, m and rad.
+fn missed(truth: &dyn Mechanism, wanted: &[Pose], joints: &[Vec<f64>]) -> f64 {
+    let at = Conditions::unknown();
+    let mut worst: f64 = 0.0;
+    for (pose, joints) in wanted.iter().zip(joints) {
+        let (a, b) = (pose.coordinates(), truth.forward(truth.values(), joints, &at, pose).unwrap().coordinates());
+        let controlled = (0..6).filter(|k| truth.controlled()[*k]);
+        worst = controlled.map(|k| (a[k] - b[k]).abs()).fold(worst, f64::max);
+    }
+    worst
+}
+
+fn joints_of(compensated: &Value) -> Vec<Vec<f64>> {
+    serde_json::from_value(compensated["joints"].clone()).unwrap()
+}
+
+#[test]
+fn every_kind_goes_from_poses_to_commands() {
+    for kind in KINDS {
+        let run = Run::new(kind);
+        run.simulated("24");
+        let (data, calibrated) = (run.file("data.csv"), run.file("calibrated.toml"));
+        let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+        assert_eq!(result["trusted"], true, "{kind}: {result}");
+        let (before, after) = (&result["rms_before"]["position_m"], &result["rms_after"]["position_m"]);
+        assert!(after.as_f64().unwrap() < 0.5 * before.as_f64().unwrap(), "{kind}: {before} -> {after}");
+        // The file that was written reproduces what was printed.
+        let again = program(&["evaluate", &calibrated, &data]);
+        let same = again["rms"]["position_m"].as_f64().unwrap() / after.as_f64().unwrap();
+        assert!((same - 1.0).abs() < 1e-6, "{kind}: {same}");
+        // Commands of the calibrated mechanism bring the true one nearer to the poses than those of the drawing.
+        let truth = Machine::read(run.file("truth.toml")).unwrap();
+        let machine = Machine::read(&run.mechanism).unwrap();
+        let wanted: Vec<Pose> =
+            read_poses(run.file("poses.csv"), &machine).unwrap().into_iter().map(|l| l.pose).collect();
+        let out = run.file("commands.csv");
+        let better = joints_of(&program(&["compensate", &calibrated, &run.file("poses.csv"), "-o", &out]));
+        let worse = joints_of(&program(&["compensate", &run.mechanism, &run.file("poses.csv"), "-o", &out]));
+        let (better, worse) =
+            (missed(truth.mechanism.as_ref(), &wanted, &better), missed(truth.mechanism.as_ref(), &wanted, &worse));
+        assert!(better < 0.4 * worse, "{kind}: {worse:.1e} -> {better:.1e}");
+        let seen = program(&["inspect", &calibrated]);
+        assert_eq!(seen["joints"].as_array().unwrap().len(), machine.mechanism.joints().len());
+    }
+}
+
+#[test]
+fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
+    for kind in KINDS {
+        let run = Run::new(kind);
+        run.simulated("30");
+        let nominal = Machine::read(&run.mechanism).unwrap();
+        let truth = Machine::read(run.file("truth.toml")).unwrap();
+        let tracker = Pose::from_coordinates(&[4.0, -2.5, 1.0, 0.4, -0.3, 2.1]);
+        let target = Pose::from_coordinates(&[0.1, 0.05, -0.08, 0.2, 0.1, -0.3]);
+        let at = Conditions::unknown();
+        let (n, t) = (nominal.mechanism.as_ref(), truth.mechanism.as_ref());
+        let names: Vec<String> = n.joints().iter().map(|j| format!("{}_{}", j.name, j.dimension.si())).collect();
+        let mut text = format!("{},x_m,y_m,z_m,rx_rad,ry_rad,rz_rad\n", names.join(","));
+        let poses = read_poses(run.file("poses.csv"), &nominal).unwrap();
+        for pose in poses.iter().map(|l| &l.pose) {
+            let commanded = n.inverse(n.values(), pose, &at).unwrap();
+            let went = t.forward(t.values(), &commanded, &at, pose).unwrap();
+            // Redundant joints settle; the others stay where they were commanded.
+            let joints = if t.equations() > 6 { t.inverse(t.values(), &went, &at).unwrap() } else { commanded };
+            let seen = tracker.compose(&went).compose(&target).coordinates();
+            let cells: Vec<String> = joints.iter().chain(&seen).map(|v| format!("{v:e}")).collect();
+            text += &(cells.join(",") + "\n");
+        }
+        let (data, calibrated) = (run.file("tracker.csv"), run.file("calibrated.toml"));
+        std::fs::write(&data, text).unwrap();
+        let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+        assert_eq!(result["frames"]["registered"], true, "{kind}");
+        let turned = Pose::from_coordinates(&std::array::from_fn(|k| {
+            result["frames"]["base"][if k < 3 { "position_m" } else { "rotation_rad" }][k % 3].as_f64().unwrap()
+        }));
+        // A delta hardly turns and a plate stays in its plane: along some axes tracker and target are one offset.
+        let off = turned.motion_to(&tracker);
+        assert!(off.fixed_rows::<3>(3).norm() < 5e-3 && off.fixed_rows::<3>(0).norm() < 0.2, "{kind}: {off:?}");
+        let after = result["rms_after"]["position_m"].as_f64().unwrap();
+        // The prior pulls at directions that the poses do not decide, by less than the stated noise.
+        let noise = nominal.noise.unwrap().position;
+        // What tells tracker and target of a delta apart is hardly larger than the noise.
+        let most = if kind == "linear-delta" { 1.5 } else { 0.5 };
+        assert!(after < most * noise, "{kind}: {after:.1e}");
+        let again = program(&["evaluate", &calibrated, &data]);
+        let again = again["rms"]["position_m"].as_f64().unwrap();
+        assert!((again - after).abs() < 1e-9, "{kind}: {again:.3e} {after:.3e}");
+    }
+}
+
+#[test]
+fn bundled_kinds_conform_and_survive_their_own_writer() {
+    for kind in KINDS {
+        let machine = Machine::read(path(&format!("mechanisms/{kind}.toml"))).unwrap();
+        let mechanism = machine.mechanism.as_ref();
+        assert!(machine.warnings.is_empty(), "{:?}", machine.warnings);
+        conformance::mechanism(mechanism, &machine.workspace.unwrap()).unwrap_or_else(|v| panic!("{kind}: {v}"));
+        let frames = paracal::measurement::Frames::default();
+        let document = machine.document_of(mechanism, machine.workspace.as_ref(), &[], &frames).unwrap();
+        let again = Machine::from_text(&document.to_text(), Path::new("again.toml")).unwrap();
+        for (a, b) in mechanism.values().iter().zip(again.mechanism.values()) {
+            assert!((a - b).abs() < 1e-14, "{kind}: {a} {b}");
+        }
+        assert!(mechanism.home().motion_to(&again.mechanism.home()).amax() < 1e-12, "{kind}");
+    }
+}
+
+#[test]
+fn a_delta_is_calibrated_by_touching_a_plane() {
+    let run = Run::new("linear-delta");
+    run.simulated("40");
+    let (poses, data, calibrated) = (run.file("poses.csv"), run.file("touches.csv"), run.file("calibrated.toml"));
+    program(&[
+        "simulate",
+        &run.mechanism,
+        "--poses",
+        &poses,
+        "--error-sd",
+        "0.1mm",
+        "-o",
+        &data,
+        "--measure",
+        "contact",
+    ]);
+    let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+    assert_eq!(result["trusted"], true, "{result}");
+    let after = result["rms_after"]["position_m"].as_f64().unwrap();
+    assert!(after < 3e-5 && after < 0.5 * result["rms_before"]["position_m"].as_f64().unwrap(), "{after:.1e}");
+    assert!(result["rms_after"]["rotation_rad"].is_null());
+}
+
+/// Changes one line of a bundled file and expects the refusal to say these things.
+fn refused(kind: &str, from: &str, to: &str, expected: &[&str]) {
+    let text = std::fs::read_to_string(path(&format!("mechanisms/{kind}.toml"))).unwrap();
+    assert!(text.contains(from), "{kind} has no {from}");
+    let folder = tempfile::tempdir().unwrap();
+    let file: PathBuf = folder.path().join("m.toml");
+    std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+    let done = Command::cargo_bin("paracal").unwrap().arg("inspect").arg(&file).output().unwrap();
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(2), "{to}: {said}");
+    for part in expected {
+        assert!(said.contains(part), "{to}: '{part}' is missing in: {said}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_kind_is_named() {
+    refused("rotary-stewart", "crank = 70.0\n", "", &["leg 1, `crank`", "is missing", "rotary-stewart"]);
+    refused("rotary-stewart", "crank = 70.0", "crank = -70.0", &["leg 1, `crank`", "must be positive, found -70"]);
+    refused("rotary-stewart", "crank = 70.0", "crank = 7.0", &["leg 1", "does not reach the platform at home"]);
+    refused(
+        "rotary-stewart",
+        "stroke = [-70.0, 70.0]",
+        "stroke = [70.0, -70.0]",
+        &["leg 1, `stroke`", "not an interval"],
+    );
+    refused("rotary-stewart", "[home]", "[homes]", &["unknown field `homes`"]);
+    refused("rotary-stewart", "[workspace]", "[mounting]", &["unknown field `position`", "base_position"]);
+    refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is none of 1, 2, 3"]);
+    refused("linear-delta", "carriage = 1", "carriage = 2", &["carriage 1 has 1 rods"]);
+    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "no direction"]);
+    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.1, 1.0]", &["legs 1 and 2", "different rails"]);
+    refused(
+        "linear-delta",
+        "rail = [0.0, 0.0, 1.0]",
+        "rail = [nan, 0.0, 1.0]",
+        &["leg 1, `rail`", "not a finite number"],
+    );
+    refused("tripod-3rps", "stroke", "rail = [0.0, 0.0, 1.0]\nstroke", &["leg 1, `rail`", "means nothing"]);
+    refused(
+        "tripod-3rps",
+        "length_unit",
+        "identify = [\"q\"]\nlength_unit",
+        &["identify", "'q' is no parameter", "xA"],
+    );
+    refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["identify", "names no parameter"]);
+    refused("tripod-3rps", "length_unit", "pivot = [0.0, 0.0, 10.0]\nlength_unit", &["pivot", "must be absent"]);
+    refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is no leg"]);
+    refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is no leg"]);
+    refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
+    refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
+    refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);
+}

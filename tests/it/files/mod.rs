@@ -1,0 +1,12 @@
+//! Files that are read and written: units, conditions, effects, kinds, URDF, and texts that are damaged.
+
+mod conditions;
+mod effects;
+#[cfg(all(feature = "cli", feature = "conformance"))]
+mod kinds;
+#[cfg(feature = "cli")]
+mod readers_never_panic;
+mod units_by_dimension;
+mod urdf;
+#[cfg(feature = "cli")]
+mod urdf_never_panics;

@@ -1,0 +1,14 @@
+//! Kinematics: closures against closed forms, published machines, mechanisms from outside the crate.
+
+#[cfg(feature = "conformance")]
+mod closures;
+mod forward_kinematics;
+#[cfg(feature = "conformance")]
+mod kinds;
+#[cfg(feature = "conformance")]
+mod own_mechanism;
+#[cfg(feature = "conformance")]
+mod passive;
+#[cfg(feature = "conformance")]
+mod pose_positioner;
+mod published_hexapods;

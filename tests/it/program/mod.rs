@@ -1,0 +1,10 @@
+//! The program as its users run it: options, outputs, pages, the guide, and what goes wrong.
+
+mod bad_input;
+mod command_line;
+mod effects;
+mod guide;
+mod reports;
+mod reproduction;
+mod robustness;
+mod urdf;

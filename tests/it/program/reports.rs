@@ -1,0 +1,249 @@
+//! The pages of `--report`: whole, self-contained, saying what the command says.
+
+use crate::common;
+
+use std::path::Path;
+use std::process::Command;
+
+use assert_cmd::cargo::cargo_bin;
+use paracal::diagnosis::{JointResiduals, Question, diagnose};
+
+/// Runs the program in the project's folder with `--report`; the page and what was printed.
+fn report(arguments: &[&str], folder: &Path) -> (String, String) {
+    let path = folder.join("report.html");
+    let output = Command::new(cargo_bin!("paracal"))
+        .args(arguments)
+        .arg("--quiet")
+        .arg("--report")
+        .arg(&path)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    (std::fs::read_to_string(path).unwrap(), String::from_utf8(output.stdout).unwrap())
+}
+
+/// One element after the other is closed, nothing runs, nothing is fetched.
+fn whole(page: &str) {
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+    for no in ["<script", "javascript:", "http-equiv", "<link", "<img", "<iframe", "@import", "url(http", "NaN", "inf "]
+    {
+        assert!(!page.contains(no), "{no}");
+    }
+    assert!(page.len() < 1_500_000, "{} bytes", page.len());
+    let parsed = scraper::Html::parse_document(page);
+    assert!(parsed.errors.is_empty(), "{:?}", parsed.errors);
+    // Every picture has a title and a text alternative.
+    assert_eq!(page.matches("<svg").count(), page.matches("role=\"img\"").count());
+    assert_eq!(page.matches("<svg").count(), page.matches("<desc").count());
+    let ids: Vec<&str> = page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let mut different = ids.clone();
+    different.sort_unstable();
+    different.dedup();
+    assert_eq!(different.len(), ids.len(), "an id stands twice");
+}
+
+#[test]
+fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("calibrated.toml");
+    let call =
+        ["calibrate", "mechanisms/table5.toml", "examples/data/hardpoint-noisy.csv", "-o", out.to_str().unwrap()];
+    let (page, printed) = report(&call, folder.path());
+    whole(&page);
+    let last = printed.trim_end().lines().last().unwrap();
+    assert!(page.contains(&format!("The result can be trusted. {}", last.replace('>', "&gt;"))), "{last}");
+    for shown in [
+        "Errors row by row",
+        "Deviations of the parameters",
+        "Convergence",
+        "xA1",
+        "h6",
+        "stated noise",
+        "Where in the workspace",
+        "What is left, beside the noise",
+        "Leg by leg over the length of the leg",
+        "Correlations of the identified parameters",
+        "times as long as the errors",
+        "hardpoint-noisy.csv",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+    assert!(out.exists());
+}
+
+#[test]
+fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = ["diagnose", "mechanisms/table5-telescope.toml", "examples/data/hardpoint-two-causes.csv"];
+    let (page, printed) = report(&call, folder.path());
+    whole(&page);
+    assert!(printed.contains("NAMED: scale.per_leg and drift.leg at leg 1."));
+    for shown in [
+        "NAMED: scale.per_leg and drift.leg at leg 1.",
+        "What to do:",
+        "scale6",
+        "Detection limits",
+        "held out",
+        "Added-variable plots",
+        "Leg by leg over time",
+        "Leg by leg over the temperature of the leg",
+        "Leg by leg over the elevation",
+        "leg with a named cause",
+        "Squares on the ground are",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+#[test]
+fn a_creeping_leg_is_seen_in_its_strip_and_gone_with_its_cause() {
+    let machine = common::machine("table5-telescope");
+    let measurement = common::data("hardpoint-two-causes", &machine);
+    let found = diagnose(&Question::of(&machine, &measurement.data)).unwrap();
+    let creep = found.causes.iter().find(|c| c.effect == "drift.leg").unwrap();
+    assert_eq!(creep.leg, Some(0));
+    // Slope of the residual of leg 1 over the run, m.
+    let slope = |of: fn(&JointResiduals) -> &Vec<f64>| {
+        let n = found.residuals.len() as f64;
+        let at = |k: usize| k as f64 / (n - 1.0) - 0.5;
+        let ys = found.residuals.iter().map(|r| of(r)[0]);
+        let sum = ys.enumerate().fold((0.0, 0.0), |(xy, xx), (k, y)| (xy + at(k) * y, xx + at(k) * at(k)));
+        sum.0 / sum.1
+    };
+    let (before, after) = (slope(|r| &r.before), slope(|r| &r.after));
+    let whole = creep.parameters[0].value;
+    assert!((before / whole - 1.0).abs() < 0.15, "{before:e} of {whole:e}");
+    // The slope of the noise alone has a sigma of 6 % of the creep.
+    assert!((after / whole).abs() < 0.2, "{after:e} of {whole:e}");
+}
+
+#[test]
+fn a_choice_is_shown_with_its_bound_and_the_poses() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("poses.csv");
+    let call = ["select", "mechanisms/table5.toml", "-n", "12", "--candidates", "100", "-o", out.to_str().unwrap()];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    for shown in [
+        "Measure the 12 poses of",
+        "certified to reach",
+        "Where the poses lie",
+        "platform at the poses",
+        "no set of these candidates passes this",
+        "predicted position error, RMS",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+#[test]
+fn an_exhibit_of_the_paper_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let call = [
+        "reproduce",
+        "figure8",
+        "--out",
+        out.to_str().unwrap(),
+        "--draws",
+        "40",
+        "--lists",
+        "3",
+        "--candidates",
+        "200",
+    ];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    assert!(page.contains("figure8: ") && page.contains("40 noise draws"));
+}
+
+#[test]
+fn what_repeats_a_page_holds_the_hash_of_each_input_and_the_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("it's measured.csv");
+    // The hash is what sha256sum says of the bundled file.
+    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
+    let out = folder.path().join("c.toml");
+    let call =
+        ["calibrate", "mechanisms/table5.toml", data.to_str().unwrap(), "-o", out.to_str().unwrap(), "--seed", "7"];
+    let (page, _) = report(&call, folder.path());
+    for shown in [
+        "0563701c3823dd26331ccde41be664346a73e39dc298708e1bad56168759eb9a",
+        "<dt>seed</dt><dd>7</dd>",
+        "it'\\''s measured.csv",
+    ] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+#[test]
+fn an_evaluation_is_shown_and_inputs_are_never_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = ["evaluate", "mechanisms/table5.toml", "examples/data/hardpoint-targets.csv"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    assert!(page.contains("150 rows"));
+    let copy = folder.path().join("table5.toml");
+    std::fs::copy(common::path("mechanisms/table5.toml"), &copy).unwrap();
+    let before = std::fs::read(&copy).unwrap();
+    for command in ["evaluate", "diagnose"] {
+        let data = common::path("examples/data/hardpoint-targets.csv");
+        let output = Command::new(cargo_bin!("paracal"))
+            .args([command, copy.to_str().unwrap(), &data, "--report", copy.to_str().unwrap()])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(std::fs::read(&copy).unwrap(), before);
+    }
+}
+
+#[test]
+fn what_the_command_warns_of_stands_on_its_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let call = ["evaluate", "examples/data/secondary-hexapod.toml", "examples/data/secondary-campaign.csv"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    assert!(page.contains("The errors are as large as the mechanism"));
+    assert!(page.contains("class=\"verdict drawn\""));
+}
+
+#[test]
+fn a_gross_row_is_marked_and_hides_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("gross.csv");
+    let text = common::text("examples/data/hardpoint-noisy.csv");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let row = lines.iter().position(|l| l.starts_with("leg1_mm")).unwrap() + 4;
+    let mut cells: Vec<String> = lines[row].split(',').map(str::to_owned).collect();
+    cells[6] = (cells[6].parse::<f64>().unwrap() + 0.5).to_string();
+    lines[row] = cells.join(",");
+    std::fs::write(&data, lines.join("\n")).unwrap();
+    let out = folder.path().join("c.toml");
+    let (data, out) = (data.to_str().unwrap(), out.to_str().unwrap());
+    let call = ["calibrate", "mechanisms/table5.toml", data, "-o", out, "--identifier", "robust"];
+    let (page, _) = report(&call, folder.path());
+    whole(&page);
+    let after =
+        |name: &str| page.split(&format!("{name}</dt><dd>")).nth(1).unwrap().split('<').next().unwrap().to_owned();
+    assert!(after("left out of these numbers").split(", ").any(|row| row == "3"));
+    assert!(page.contains("looks like a gross error"));
+    // Without that row the error is that of the noise, and not a tenth of a millimetre.
+    let of = after("<dt>position error, calibrated");
+    let (value, unit) = of.split_once(' ').unwrap();
+    assert!(unit == "um" && value.parse::<f64>().unwrap() < 3.0, "{of}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_is_shown_as_well_as_it_goes() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join(std::ffi::OsStr::from_bytes(b"d\xff.csv"));
+    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
+    let page = folder.path().join("page.html");
+    let mut command = Command::new(cargo_bin!("paracal"));
+    command.arg("evaluate").arg(common::path("mechanisms/table5.toml")).arg(&data).arg("--report").arg(&page);
+    assert_eq!(command.output().unwrap().status.code(), Some(0));
+    whole(&std::fs::read_to_string(page).unwrap());
+}

@@ -1,0 +1,8 @@
+//! Chosen sets: the paper, brute force, bounds, and what a set is worth in calibrations.
+
+#[cfg(feature = "conformance")]
+mod conformance;
+mod gain;
+mod paper;
+mod picks;
+mod quality;

@@ -1,0 +1,3 @@
+//! The solvers on the regression problems of NIST.
+
+mod nist_strd;
