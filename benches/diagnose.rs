@@ -57,7 +57,7 @@ fn campaign(machine: &mut Machine) -> Result<Dataset, Box<dyn Error>> {
     let true_values = draw_parameters(nominal, Some(ERROR), &mut rng);
     let moving = effects_of(machine.mechanism.as_ref()).to_vec();
     let inner = nominal.with_values(&true_values, nominal.home())?;
-    let truth = Extended::new(inner, Arc::clone(machine.surroundings()), moving);
+    let truth = Extended::new(inner, Arc::clone(machine.environment()), moving);
     let run: Vec<Command> = poses.iter().zip(&states).map(|(p, s)| Command { pose: *p, state: s.clone() }).collect();
     let went = simulate_run(nominal, &truth, &run, None, &machine.convention, &noise, &mut rng);
     let went = went.map_err(|(_, cause)| cause)?;

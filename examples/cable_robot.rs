@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Question, diagnose};
-use paracal::effect::{Surroundings, catalogue};
+use paracal::effect::{Environment, catalogue};
 use paracal::identification::{Identifier, LevenbergMarquardt, PriorPolicy, Task};
 use paracal::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::mechanism::kinds::{Cable, PlanarCables, Segment};
@@ -112,7 +112,7 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
     let question = Question {
         mechanism: calibrated.as_ref(),
         data: &data,
-        surroundings: Surroundings::default(),
+        environment: Environment::default(),
         convention: PoseConvention::default(),
         catalogue: catalogue(),
         noise_known: false,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Diagnosis, Question, diagnose};
 use paracal::effect::{ActiveEffect, Effect, EffectParameter, Extended};
-use paracal::effect::{Perturbation, Recorded, Scan, ScanPoint, Setting, Site, Surroundings};
+use paracal::effect::{AvailableData, EffectContext, Environment, Perturbation, Scan, ScanPoint, Site};
 use paracal::files::Machine;
 use paracal::measurement::{Dataset, Sample};
 use paracal::simulation::{Command, as_dataset, draw_parameters, simulate_run};
@@ -34,13 +34,13 @@ impl Effect for MotorHeat {
     fn remedy(&self) -> &str {
         "switch the motor off at standstill, or correct the commanded length by the current"
     }
-    fn missing(&self, _: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        if recorded.has(CURRENT) { Vec::new() } else { vec![CURRENT.into()] }
+    fn missing(&self, _: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        if available.has(CURRENT) { Vec::new() } else { vec![CURRENT.into()] }
     }
-    fn parameters(&self, _: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _: &EffectContext<'_>) -> Vec<EffectParameter> {
         vec![EffectParameter::new("growth_per_ampere", Dimension::Length, 2e-6)]
     }
-    fn scan(&self, _: &Setting<'_>, _: &Recorded) -> Scan {
+    fn scan(&self, _: &EffectContext<'_>, _: &AvailableData) -> Scan {
         Scan::Legs
     }
     fn covariates(&self, _: &ScanPoint) -> Vec<String> {
@@ -70,7 +70,7 @@ pub fn measured(machine: &Machine) -> Result<Dataset, Box<dyn Error>> {
         values: vec![1.5e-6],
         range: Default::default(),
     };
-    let truth = Extended::new(inner, Arc::new(Surroundings::default()), vec![heat]);
+    let truth = Extended::new(inner, Arc::new(Environment::default()), vec![heat]);
     let samples = simulate_run(nominal, &truth, &run, None, &machine.convention, &noise, &mut rng)
         .map_err(|(row, cause)| format!("row {row}: {cause}"))?;
     let readings = as_dataset(&samples, &machine.convention, &noise);

@@ -9,7 +9,7 @@ use std::error::Error;
 
 use paracal::files::Machine;
 use paracal::observability::{O1, O3, ObservabilityIndex, Scaling, Spectrum};
-use paracal::selection::{Aim, Campaign, Candidates, Exchange, Forecaster, Plan, Sources, select_among};
+use paracal::selection::{Campaign, Candidates, Exchange, Forecaster, Objective, SelectionTask, Sources, select_among};
 use paracal::units::show_length;
 
 #[derive(Debug)]
@@ -38,9 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("12 of {} poses     smallest  three smallest  predicted error", candidates.len());
     let indices: [&dyn ObservabilityIndex; 3] = [&ThreeSmallest, &O3, &O1];
     for index in indices {
-        let aim = Aim::Index(index);
-        let plan =
-            Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed: 1, watch: &|_| {} };
+        let aim = Objective::Index(index);
+        let plan = SelectionTask {
+            campaign: &campaign,
+            forecaster: Some(&forecaster),
+            aim,
+            given: &[],
+            seed: 1,
+            watch: &|_| {},
+        };
         let report = select_among(&plan, &selector, &candidates, 12, false)?;
         let forecast = report.forecast.ok_or("the file states noise and tolerances")?;
         let smallest = O3.value(&forecast.spectrum);

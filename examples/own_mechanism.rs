@@ -12,7 +12,7 @@ use paracal::mechanism::{Mechanism, ParameterRole, Workspace};
 use paracal::nalgebra::{Rotation3, Vector3};
 use paracal::observability::{O1, Scaling};
 use paracal::pose::{Pose, PoseConvention};
-use paracal::selection::{Aim, Campaign, Exchange, Plan, Sources, select};
+use paracal::selection::{Campaign, Exchange, Objective, SelectionTask, Sources, select};
 use paracal::simulation::{as_dataset, draw_parameters, simulate};
 use paracal::units::Dimension;
 use rand::SeedableRng;
@@ -53,8 +53,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let noise = Noise::stated(5e-6, 2e-5);
 
     let campaign = Campaign::new(&nominal, &space, Some(&noise), Scaling::Whitened)?;
-    let plan =
-        Plan { campaign: &campaign, forecaster: None, aim: Aim::Index(&O1), given: &[], seed: 0, watch: &|_| {} };
+    let plan = SelectionTask {
+        campaign: &campaign,
+        forecaster: None,
+        aim: Objective::Index(&O1),
+        given: &[],
+        seed: 0,
+        watch: &|_| {},
+    };
     let sources = Sources { random: 500, corners_and_grid: true, ..Sources::default() };
     let chosen = select(&plan, &Exchange::default(), &sources, 25)?;
 

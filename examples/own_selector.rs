@@ -12,8 +12,8 @@ use paracal::observability::{Goal, O1, Scaling};
 use paracal::rand::rngs::ChaCha8Rng;
 use paracal::rand::{RngExt, SeedableRng};
 use paracal::selection::{
-    Aim, Campaign, Candidates, Choice, Exchange, Plan, PoseSelector, Problem, Random, SelectionError, Sources,
-    select_among,
+    Campaign, Candidates, Choice, Exchange, Objective, PoseSelector, Problem, Random, SelectionError, SelectionTask,
+    Sources, select_among,
 };
 
 #[derive(Debug)]
@@ -65,8 +65,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mechanism = machine.mechanism.as_ref();
     let campaign = Campaign::new(mechanism, &workspace, machine.noise.as_ref(), Scaling::Whitened)?;
     let candidates = Candidates::collect(&campaign, &Sources { random: 1000, ..Sources::default() })?;
-    let aim = Aim::Index(&O1);
-    let plan = Plan { campaign: &campaign, forecaster: None, aim, given: &[], seed: 1, watch: &|_| {} };
+    let aim = Objective::Index(&O1);
+    let plan = SelectionTask { campaign: &campaign, forecaster: None, aim, given: &[], seed: 1, watch: &|_| {} };
 
     println!("20 of {} poses       O1  of the bound  iterations", candidates.len());
     let own = Annealing { steps: 5000 };

@@ -10,7 +10,7 @@ use crate::identification::{
     Robust, Weights, calibrate, identifier,
 };
 use crate::measurement::MeasurementModel;
-use crate::report::html::{self, Measured, Page, Seen};
+use crate::report::html::{self, Measured, ModelResiduals, Page};
 use crate::report::{json, text};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -148,7 +148,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         &targets,
         &result.registration.frames,
     )?;
-    if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.own_parameters().is_empty()) {
+    if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.nuisance_parameters().is_empty()) {
         document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
     }
     if !machine.effects().is_empty() {
@@ -189,8 +189,8 @@ fn page(
     let aligned = data.with_frames(result.registration.frames);
     let own = result.identification.own_values();
     let models = [
-        Seen::through("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
-        Seen::through("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
+        ModelResiduals::new("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
+        ModelResiduals::new("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
     ];
     let settings =
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
@@ -212,7 +212,7 @@ fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) 
             own.map(|p| p.sigma.unwrap_or(f64::NAN)).collect()
         })
         .collect();
-    machine.effect_entries(&effects, &sigmas, machine.surroundings())
+    machine.effect_entries(&effects, &sigmas, machine.environment())
 }
 
 fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::effect::{ActiveEffect, Acts, Compensated, Compensator};
+use crate::effect::{ActiveEffect, ActsOn, Compensated, Compensator};
 use crate::files::{ListedPose, Outputs, read_pose_list};
 use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     warnings.extend(machine.refer_to(states, &args.poses.display().to_string()));
     let mechanism = machine.plain();
     let mut compensator =
-        Compensator::new(mechanism, machine.surroundings(), &machine.effects(), args.in_tracker_frame)?;
+        Compensator::new(mechanism, machine.environment(), &machine.effects(), args.in_tracker_frame)?;
     warnings.extend(compensator.left_out().iter().map(not_compensated));
 
     let mut rows: Vec<Compensated> = Vec::with_capacity(list.poses.len());
@@ -106,14 +106,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 fn not_compensated(effect: &ActiveEffect) -> String {
     let label = effect.label();
     match effect.effect.acts_on() {
-        Acts::Measurement if !effect.effect.describes_one_run() => format!(
+        ActsOn::Measurement if !effect.effect.describes_one_run() => format!(
             "{label} is not compensated: only the instrument sees it; with --in-tracker-frame it is, if the poses are \
              wanted as the instrument sees them"
         ),
-        Acts::Measurement => {
+        ActsOn::Measurement => {
             format!("{label} is not compensated: it moved the instrument of one run, and predicts nothing for another")
         }
-        Acts::Mechanism => {
+        ActsOn::Mechanism => {
             format!(
                 "{label} is not compensated: it describes one run, and is not extrapolated; see what moved that leg"
             )

@@ -1,6 +1,6 @@
 //! `--effect 'NAME[leg=3]=VALUE,…'`.
 
-use crate::effect::{ActiveEffect, EffectParameter, Setting, effect};
+use crate::effect::{ActiveEffect, EffectContext, EffectParameter, effect};
 use crate::files::{EffectEntry, Machine};
 use anyhow::{Result, anyhow, bail};
 
@@ -13,7 +13,7 @@ pub(crate) fn effect_entry(text: &str, machine: &Machine) -> Result<(EffectEntry
         )
     })?;
     if let Some(known) = effect(&entry.name) {
-        let expected = known.parameters(&Setting::new(machine.plain(), machine.surroundings()));
+        let expected = known.parameters(&EffectContext::new(machine.plain(), machine.environment()));
         if values.len() != expected.len() {
             let found = values.len();
             bail!("{place}: has {found} of the {} values {}", expected.len(), listed(&expected));

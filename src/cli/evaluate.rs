@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crate::files::Outputs;
 use crate::identification::evaluate;
-use crate::report::html::{self, Measured, Seen};
+use crate::report::html::{self, Measured, ModelResiduals};
 use crate::report::{json, text};
 use anyhow::Result;
 
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         });
     }
     if let Some(path) = &args.report {
-        let models = [Seen::through("model", mechanism, &[], &measurement.data).map_err(wrong)?];
+        let models = [ModelResiduals::new("model", mechanism, &[], &measurement.data).map_err(wrong)?];
         let subject =
             page_subject(ui, &machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
         let measured = Measured { data: &measurement.data, models: &models };

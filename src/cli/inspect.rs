@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::conditions::Conditions;
-use crate::effect::{ActiveEffect, Acts, EffectParameter, Setting};
+use crate::effect::{ActiveEffect, ActsOn, EffectContext, EffectParameter};
 use crate::files::Machine;
 use crate::identification::{DataSpectrum, WeakDirection, weak_directions};
 use crate::measurement::Noise;
 use crate::mechanism::{Body, Mechanism, Survey, characteristic_length, condition};
 use crate::report::{json as reported, text};
-use crate::selection::{Prospect, prospect};
+use crate::selection::{Preview, preview};
 use crate::units::{Dimension, show_quantity};
 use anyhow::Result;
 use rand::SeedableRng;
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         home_condition: condition(mechanism, c, &joints, &mechanism.home(), &at),
         survey,
         weak: outlook.as_ref().map(|p| weak(mechanism, p)).unwrap_or_default(),
-        prospect: outlook,
+        preview: outlook,
         warnings,
     };
     seen.lengths = lengths(mechanism, seen.legs(), &seen.home_joints);
@@ -110,13 +110,13 @@ fn effect_json(machine: &Machine, effect: &ActiveEffect) -> Value {
 fn effect_text(machine: &Machine, effect: &ActiveEffect) -> String {
     let value = |(p, value): &(EffectParameter, f64)| format!("{} {}", p.name, show_quantity(*value, p.dimension));
     let values: Vec<String> = parameters(machine, effect).iter().map(value).collect();
-    let seen = if effect.effect.acts_on() == Acts::Measurement { " (seen by the instrument only)" } else { "" };
+    let seen = if effect.effect.acts_on() == ActsOn::Measurement { " (seen by the instrument only)" } else { "" };
     format!("{}{seen}: {}", effect.label(), values.join(", "))
 }
 
 fn parameters(machine: &Machine, effect: &ActiveEffect) -> Vec<(EffectParameter, f64)> {
-    let setting = Setting::new(machine.plain(), machine.surroundings());
-    effect.effect.parameters(&setting).into_iter().zip(effect.values.iter().copied()).collect()
+    let context = EffectContext::new(machine.plain(), machine.environment());
+    effect.effect.parameters(&context).into_iter().zip(effect.values.iter().copied()).collect()
 }
 
 /// Lengths of the legs: nominal ones, those of rods, or of joints that are legs; NaN where there is none.
@@ -143,8 +143,8 @@ fn look_ahead(
     workspace: &crate::mechanism::Workspace,
     noise: &Noise,
     warnings: &mut Vec<String>,
-) -> Option<Prospect> {
-    match prospect(machine.mechanism.as_ref(), workspace, noise, POSES, 0) {
+) -> Option<Preview> {
+    match preview(machine.mechanism.as_ref(), workspace, noise, POSES, 0) {
         Ok(found) => Some(found),
         Err(cause) => {
             warnings.push(format!("what 20 poses could tell is not known: {cause}"));
@@ -153,12 +153,12 @@ fn look_ahead(
     }
 }
 
-/// Directions that the poses of a prospect would not decide, in words.
-fn weak(mechanism: &dyn Mechanism, prospect: &Prospect) -> Vec<WeakDirection> {
+/// Directions that the poses of a preview would not decide, in words.
+fn weak(mechanism: &dyn Mechanism, preview: &Preview) -> Vec<WeakDirection> {
     let spectrum = DataSpectrum {
-        values: prospect.forecast.spectrum.values.clone(),
-        directions: prospect.forecast.spectrum.directions.clone(),
-        scale: prospect.scale.clone(),
+        values: preview.forecast.spectrum.values.clone(),
+        directions: preview.forecast.spectrum.directions.clone(),
+        scale: preview.scale.clone(),
         scaled_by_tolerance: mechanism.parameters().iter().all(|s| s.tolerance.is_some()),
     };
     weak_directions(mechanism, &spectrum)

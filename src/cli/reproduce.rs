@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use crate::files::Outputs;
-use crate::reproduction::{EXHIBITS, Exhibit, Lab, Progress, Settings, page, reproduce};
+use crate::reproduction::{EXHIBITS, Exhibit, Progress, ReproductionContext, Settings, page, reproduce};
 use crate::simulation::Journal;
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
@@ -63,11 +63,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if !journal.is_empty() {
         ui.warn(&format!("going on with {} units of work of a run that was stopped", journal.len()));
     }
-    let lab = Lab::new(settings, &journal, &watch)?;
+    let context = ReproductionContext::new(settings, &journal, &watch)?;
     let mut exhibits = Vec::new();
     let mut files = Vec::new();
     for name in names {
-        let exhibit = reproduce(name, &lab)?;
+        let exhibit = reproduce(name, &context)?;
         files.extend(write(&args.out, &exhibit, &settings)?);
         exhibits.push(exhibit);
     }

@@ -8,8 +8,8 @@ use crate::observability::{Scaling, index};
 use crate::pose::Pose;
 use crate::report::{html, json, text};
 use crate::selection::{
-    Aim, Campaign, Candidates, Forecaster, MOST_POSES, Plan, Report, SelectionError, Sources, how_many, select_among,
-    smallest_number,
+    Campaign, Candidates, ChosenSet, Forecaster, MOST_POSES, Objective, SelectionError, SelectionTask, Sources,
+    how_many, select_among, smallest_number,
 };
 use anyhow::{Context, Result, anyhow, bail};
 
@@ -96,13 +96,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     let named = index(&args.index);
     let aim = match (named.as_deref(), &forecaster) {
-        (Some(index), _) => Aim::Index(index),
-        (None, Some(forecaster)) => Aim::PoseError(forecaster),
+        (Some(index), _) => Objective::Index(index),
+        (None, Some(forecaster)) => Objective::PoseError(forecaster),
         // Whitened rows were asked for above, and with them there is a forecast.
         (None, None) => return Err(about(SelectionError::NoNoise)),
     };
     let watch = |step: crate::selection::Step| bar.set(step.done, step.total);
-    let plan = Plan {
+    let plan = SelectionTask {
         campaign: &campaign,
         forecaster: forecaster.as_ref(),
         aim,
@@ -195,7 +195,7 @@ fn short(cause: &SelectionError) -> String {
 }
 
 /// The joints to command for each pose.
-fn commands(machine: &Machine, report: &Report, given: usize) -> Result<Vec<JointsAndPose>> {
+fn commands(machine: &Machine, report: &ChosenSet, given: usize) -> Result<Vec<JointsAndPose>> {
     let mechanism = machine.mechanism.as_ref();
     let row = |(k, pose): (usize, &Pose)| {
         let joints = mechanism.inverse(mechanism.values(), pose, &crate::conditions::Conditions::unknown())?;

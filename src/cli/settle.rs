@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::diagnosis::{Plan, Verdict, diagnose, settle};
+use crate::diagnosis::{MeasurementPlan, Verdict, diagnose, settle};
 use crate::files::{CsvTable, Machine, number};
 use crate::report::{json, text};
 use crate::units::{Dimension, Unit};
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 }
 
 /// Joints, the poses that they lead to, and the conditions of a plan.
-fn plan_table(machine: &Machine, plan: &Plan) -> Result<CsvTable> {
+fn plan_table(machine: &Machine, plan: &MeasurementPlan) -> Result<CsvTable> {
     let mechanism = machine.mechanism.as_ref();
     let mut rows = Vec::with_capacity(plan.samples.len());
     for sample in &plan.samples {

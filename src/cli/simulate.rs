@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use crate::effect::{ActiveEffect, Extended, Recorded, Setting, effects_of, without_effects};
+use crate::effect::{ActiveEffect, AvailableData, EffectContext, Extended, effects_of, without_effects};
 use crate::files::{
     CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, number, read_parameter_errors, read_pose_list,
 };
@@ -126,11 +126,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let moving = effects_of(actual.mechanism.as_ref()).to_vec();
     let truth: Box<dyn Mechanism> = match moving.is_empty() {
         true => inner,
-        false => Box::new(Extended::new(inner, Arc::clone(actual.surroundings()), moving)),
+        false => Box::new(Extended::new(inner, Arc::clone(actual.environment()), moving)),
     };
     let run: Vec<Command> = listed.iter().map(|l| Command { pose: l.pose, state: l.conditions.clone() }).collect();
-    let setting = Setting::new(mechanism, actual.surroundings());
-    let instrument = Instrument { setting: &setting, effects: actual.instrument() };
+    let context = EffectContext::new(mechanism, actual.environment());
+    let instrument = Instrument { context: &context, effects: actual.instrument() };
     let convention = &machine.convention;
     let simulated = simulate_run(mechanism, truth.as_ref(), &run, Some(&instrument), convention, &noise, &mut rng);
     let samples = simulated.map_err(|(row, cause)| {
@@ -159,8 +159,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.truth {
         let plain = without_effects(truth.as_ref());
         let (workspace, frames, effects) = (machine.workspace.as_ref(), Frames::default(), actual.effects());
-        let document =
-            machine.document_with_effects(plain, workspace, &frames, &effects, &[], actual.surroundings())?;
+        let document = machine.document_with_effects(plain, workspace, &frames, &effects, &[], actual.environment())?;
         let written = outputs.add_mechanism(path, &document)?;
         written.warnings.iter().for_each(|w| ui.warn(w));
     }
@@ -191,10 +190,10 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
     let mut actual = Machine::from_document(document, &machine.path)?;
     let states = || list.poses.iter().map(|l| &l.conditions);
     actual.refer_to(states(), &path.display().to_string()).iter().for_each(|w| ui.warn(w));
-    let setting = Setting::new(actual.plain(), actual.surroundings());
+    let context = EffectContext::new(actual.plain(), actual.environment());
     let labels: Vec<String> = actual.document().effects.iter().map(EffectEntry::label).collect();
     for effect in actual.effects() {
-        let lacking = states().map(|s| effect.lacking(&setting, &Recorded::of_state(s)));
+        let lacking = states().map(|s| effect.lacking(&context, &AvailableData::of_state(s)));
         let Some((row, names)) = lacking.enumerate().find(|(_, names)| !names.is_empty()) else { continue };
         let (label, names) = (effect.label(), names.join(", "));
         let problem = format!("{}: data row {row}: {label} needs {names}", path.display());
@@ -203,7 +202,7 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
         }
         ui.warn(&format!("{problem}; without it the effect does nothing"));
     }
-    drop(setting);
+    drop(context);
     Ok(actual)
 }
 

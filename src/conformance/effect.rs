@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::{Violation, violation};
 use crate::conditions::Conditions;
 use crate::effect::{
-    ActiveEffect, Acts, Effect, Extended, Perturbation, Recorded, Scan, ScanPoint, Setting, Site, Surroundings,
+    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, Environment, Extended, Perturbation, Scan, ScanPoint,
+    Site,
 };
 use crate::measurement::Dataset;
 use crate::mechanism::{Mechanism, MotionBlock};
@@ -29,30 +30,30 @@ const KINEMATICS: f64 = 1e-3;
 pub fn effect(
     effect: &Arc<dyn Effect>,
     mechanism: &dyn Mechanism,
-    surroundings: &Surroundings,
+    environment: &Environment,
     data: &Dataset,
 ) -> Result<(), Violation> {
-    let surroundings = Arc::new(surroundings.with_references_of(data));
-    let setting = Setting::new(mechanism, &surroundings);
-    let recorded = Recorded::of(data);
-    words(effect.as_ref(), &setting, &recorded)?;
-    for at in places(effect.as_ref(), &setting, &recorded) {
+    let environment = Arc::new(environment.with_references_of(data));
+    let context = EffectContext::new(mechanism, &environment);
+    let available = AvailableData::of(data);
+    words(effect.as_ref(), &context, &available)?;
+    for at in places(effect.as_ref(), &context, &available) {
         for sample in data.iter() {
-            let here = Here { effect, at: &at, setting: &setting, surroundings: &surroundings };
+            let here = Here { effect, at: &at, context: &context, environment: &environment };
             here.check(&sample.joints, &sample.conditions)?;
         }
     }
     Ok(())
 }
 
-fn words(effect: &dyn Effect, setting: &Setting<'_>, recorded: &Recorded) -> Result<(), Violation> {
+fn words(effect: &dyn Effect, context: &EffectContext<'_>, available: &AvailableData) -> Result<(), Violation> {
     const LAW: &str = "an effect says what it is";
     for (what, text) in [("name", effect.name()), ("cause", effect.cause()), ("remedy", effect.remedy())] {
         if text.trim().is_empty() {
             return Err(violation(LAW, format!("its {what} is empty")));
         }
     }
-    let parameters = effect.parameters(setting);
+    let parameters = effect.parameters(context);
     for (k, p) in parameters.iter().enumerate() {
         if parameters[..k].iter().any(|other| other.name == p.name) {
             return Err(violation(LAW, format!("two parameters are called {}", p.name)));
@@ -64,7 +65,7 @@ fn words(effect: &dyn Effect, setting: &Setting<'_>, recorded: &Recorded) -> Res
     if parameters.is_empty() {
         return Err(violation(LAW, "it has no parameter"));
     }
-    let missing = effect.missing(setting, recorded);
+    let missing = effect.missing(context, available);
     if !missing.is_empty() {
         return Err(violation("what an effect needs is there", missing.join(", ")));
     }
@@ -72,10 +73,10 @@ fn words(effect: &dyn Effect, setting: &Setting<'_>, recorded: &Recorded) -> Res
 }
 
 /// One place of each kind of scan is enough for legs and rows; every covariate is tried.
-fn places(effect: &dyn Effect, setting: &Setting<'_>, recorded: &Recorded) -> Vec<ScanPoint> {
-    let middle = Some(recorded.samples / 2);
-    let last = setting.joints().saturating_sub(1);
-    match effect.scan(setting, recorded) {
+fn places(effect: &dyn Effect, context: &EffectContext<'_>, available: &AvailableData) -> Vec<ScanPoint> {
+    let middle = Some(available.samples / 2);
+    let last = context.joints().saturating_sub(1);
+    match effect.scan(context, available) {
         Scan::None => vec![ScanPoint::none()],
         Scan::Legs => vec![ScanPoint::leg(0), ScanPoint::leg(last)],
         Scan::Rows => vec![ScanPoint { row: middle, ..ScanPoint::none() }],
@@ -89,14 +90,14 @@ fn places(effect: &dyn Effect, setting: &Setting<'_>, recorded: &Recorded) -> Ve
 struct Here<'a> {
     effect: &'a Arc<dyn Effect>,
     at: &'a ScanPoint,
-    setting: &'a Setting<'a>,
-    surroundings: &'a Arc<Surroundings>,
+    context: &'a EffectContext<'a>,
+    environment: &'a Arc<Environment>,
 }
 
 impl Here<'_> {
     fn check(&self, joints: &[f64], conditions: &Conditions) -> Result<(), Violation> {
         const PLACE: &str = "samples have poses";
-        let mechanism = self.setting.mechanism;
+        let mechanism = self.context.mechanism;
         let values = mechanism.values();
         let pose = mechanism
             .forward(values, joints, conditions, &mechanism.home())
@@ -107,12 +108,12 @@ impl Here<'_> {
             .map_err(|cause| violation(PLACE, cause.to_string()))?;
         let perturb = |theta: &[f64], conditions: &Conditions| {
             let site =
-                Site { setting: self.setting, values, joints, pose: &pose, conditions, joint_motion: &block.joints };
+                Site { context: self.context, values, joints, pose: &pose, conditions, joint_motion: &block.joints };
             let mut out = Perturbation::sized(values.len(), joints.len());
             self.effect.perturb(theta, self.at, &site, &mut out);
             out
         };
-        let parameters = self.effect.parameters(self.setting);
+        let parameters = self.effect.parameters(self.context);
         let theta: Vec<f64> =
             parameters.iter().enumerate().map(|(k, p)| 0.1 * p.scale * (1.0 - 0.13 * k as f64)).collect();
         let whole = perturb(&theta, conditions);
@@ -136,8 +137,8 @@ impl Here<'_> {
         }
         let moves_platform = whole.parameters.iter().chain(&whole.joints).any(|v| *v != 0.0);
         let moves_reading = whole.pose.iter().any(|v| *v != 0.0);
-        if moves_platform && self.effect.acts_on() == Acts::Measurement
-            || moves_reading && self.effect.acts_on() == Acts::Mechanism
+        if moves_platform && self.effect.acts_on() == ActsOn::Measurement
+            || moves_reading && self.effect.acts_on() == ActsOn::Mechanism
         {
             let detail = format!("it says {:?}", self.effect.acts_on());
             return Err(violation("an effect acts on what it says", detail));
@@ -158,7 +159,7 @@ impl Here<'_> {
         block: &MotionBlock,
     ) -> Result<(), Violation> {
         const LAW: &str = "columns agree with forward kinematics";
-        let mechanism = self.setting.mechanism;
+        let mechanism = self.context.mechanism;
         let fail = |law, cause: String| violation(law, cause);
         let inner = mechanism
             .with_values(mechanism.values(), mechanism.home())
@@ -169,7 +170,7 @@ impl Here<'_> {
             values: theta.to_vec(),
             range: std::collections::BTreeMap::new(),
         };
-        let extended = Extended::new(inner, Arc::clone(self.surroundings), vec![active]);
+        let extended = Extended::new(inner, Arc::clone(self.environment), vec![active]);
         let c = extended.values();
         let home = mechanism.home();
         let plain = mechanism

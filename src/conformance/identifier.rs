@@ -7,7 +7,7 @@ use super::{Violation, violation};
 use crate::conditions::Conditions;
 use crate::identification::{Identification, Identifier, IdentifyError, PriorPolicy, Task, evaluate};
 use crate::measurement::{Dataset, Noise};
-use crate::mechanism::{Mechanism, Workspace, settled};
+use crate::mechanism::{Mechanism, Workspace, consistent};
 use crate::pose::Pose;
 use crate::simulation::{as_dataset, draw_parameters, monte_carlo, simulate};
 
@@ -54,7 +54,7 @@ pub fn identifier(
 fn reachable(m: &dyn Mechanism, w: &Workspace, rng: &mut ChaCha8Rng, count: usize) -> Result<Vec<Pose>, Violation> {
     let mut poses = Vec::with_capacity(count);
     for _ in 0..100 * count {
-        poses.extend(settled(m, m.values(), &w.random(rng), &Conditions::unknown()).map(|(pose, _)| pose));
+        poses.extend(consistent(m, m.values(), &w.random(rng), &Conditions::unknown()).map(|(pose, _)| pose));
         if poses.len() == count {
             return Ok(poses);
         }

@@ -61,7 +61,7 @@ fn sizes(model: &dyn MeasurementModel, poses: &[Pose]) -> Result<(), Violation> 
             return Err(violation(LAW, format!("sample {sample}: {rows} rows, covariance {} × {}", shape.0, shape.1)));
         }
     }
-    let own = model.own_parameters();
+    let own = model.nuisance_parameters();
     for (k, spec) in own.iter().enumerate() {
         if own[..k].iter().any(|s| s.name == spec.name) {
             return Err(violation(LAW, format!("two own parameters are called {}", spec.name)));
@@ -74,7 +74,7 @@ fn sizes(model: &dyn MeasurementModel, poses: &[Pose]) -> Result<(), Violation> 
 fn start(model: &dyn MeasurementModel, poses: &[Option<Pose>], frames: &Frames) -> Result<Vec<f64>, Violation> {
     const LAW: &str = "own parameters start at finite values";
     let (found, again) = (model.start(poses, frames), model.start(poses, frames));
-    let specs = model.own_parameters();
+    let specs = model.nuisance_parameters();
     if found.len() != specs.len() {
         return Err(violation(LAW, format!("{} parameters, {} values", specs.len(), found.len())));
     }
@@ -177,7 +177,7 @@ impl<'a> Bench<'a> {
             let name = format!("{}, {name}", at());
             compare("motion agrees with differences", &name, &pose, &here.motion.column(c).into_owned(), &numeric)?;
         }
-        for (c, spec) in self.model.own_parameters().iter().enumerate() {
+        for (c, spec) in self.model.nuisance_parameters().iter().enumerate() {
             let numeric = differences(&self.own, c, |own| self.rows(sample, &pose, own).residual);
             let name = format!("{}, {}", at(), spec.name);
             compare("own agrees with differences", &name, &pose, &here.own.column(c).into_owned(), &numeric)?;

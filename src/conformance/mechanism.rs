@@ -6,7 +6,7 @@ use rand::rngs::ChaCha8Rng;
 
 use super::{Violation, violation};
 use crate::conditions::Conditions;
-use crate::mechanism::{Linearization, Mechanism, MotionBlock, Workspace, characteristic_length, settled};
+use crate::mechanism::{Linearization, Mechanism, MotionBlock, Workspace, characteristic_length, consistent};
 use crate::pose::Pose;
 
 const POSES: usize = 20;
@@ -80,7 +80,7 @@ fn sizes(m: &dyn Mechanism) -> Result<(), Violation> {
 /// The pose with the coordinates that the joints do not control where the closure puts them.
 fn reachable(m: &dyn Mechanism, pose: &Pose) -> Result<Pose, Violation> {
     let failed = |e| violation("a pose of the workspace can be taken", format!("{}: {e}", shown(pose)));
-    let (taken, _) = settled(m, m.values(), pose, &Conditions::unknown()).map_err(failed)?;
+    let (taken, _) = consistent(m, m.values(), pose, &Conditions::unknown()).map_err(failed)?;
     let (wanted, found) = (pose.coordinates(), taken.coordinates());
     for k in (0..6).filter(|k| m.controlled()[*k]) {
         if !((wanted[k] - found[k]).abs() <= 1e-9) {

@@ -45,16 +45,16 @@ pub use answer::result::{
 pub use error::DiagnoseError;
 pub use planning::design::{detection_limits, planned};
 
-pub use planning::settle::{Plan, Separation, TOLD_APART, settle};
+pub use planning::settle::{MeasurementPlan, Separation, TOLD_APART, settle};
 
-use crate::effect::{Effect, Surroundings};
+use crate::effect::{Effect, Environment};
 use crate::identification::{ErrorSummary, Prior, register};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
 use crate::units::shortened;
-use linear::hypotheses::Subject;
-use search::iteration::Explorer;
+use linear::hypotheses::Hypotheses;
+use search::iteration::Search;
 
 /// Tolerances by which parameters may differ from the drawing.
 const TOLERANCES: f64 = 2.0;
@@ -70,7 +70,7 @@ pub struct Question<'a> {
     /// The samples.
     pub data: &'a Dataset,
     /// What stands around the mechanism.
-    pub surroundings: Surroundings,
+    pub environment: Environment,
     /// How the data write poses.
     pub convention: PoseConvention,
     /// The effects that are looked for.
@@ -98,27 +98,27 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let (data, gaps) = complete_rows(data);
     let registration = register(mechanism, &data)?;
     let data = data.with_frames(registration.frames);
-    let surroundings = Arc::new(question.surroundings.with_references_of(&data));
-    let (mut subject, missing) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
+    let environment = Arc::new(question.environment.with_references_of(&data));
+    let (mut subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let known = question.noise_known && data.noise.known;
     if subject.is_pose_space() && !data.noise.known {
         // Nothing says how the noise of the six coordinates compares, and each is fitted by itself.
-        let first = Explorer { subject: &subject, known }.explore_with_care()?;
+        let first = Search { subject: &subject, known }.explore_with_care()?;
         subject.spreads = first.spreads(&subject)?;
     }
-    let mut explored = Explorer { subject: &subject, known }.explore_with_care()?;
-    if let Some(ratio) = explored.ratio(&subject)?.filter(|_| !known && subject.spreads.is_empty()) {
+    let mut state = Search { subject: &subject, known }.explore_with_care()?;
+    if let Some(ratio) = state.ratio(&subject)?.filter(|_| !known && subject.spreads.is_empty()) {
         subject.kind_spreads = Some(ratio);
-        explored = Explorer { subject: &subject, known }.explore_with_care()?;
+        state = Search { subject: &subject, known }.explore_with_care()?;
     }
     let mut noise = None;
-    if let Some((varies, spreads)) = explored.noise_varies(&subject)? {
+    if let Some((varies, spreads)) = state.noise_varies(&subject)? {
         // Rows count by the noise that they have.
         noise = Some(varies);
         subject.sample_spreads = spreads;
-        explored = Explorer { subject: &subject, known }.explore_with_care()?;
+        state = Search { subject: &subject, known }.explore_with_care()?;
     }
-    let mut found = answer::findings::findings(question, &subject, &explored, missing, &registration, noise)?;
+    let mut found = answer::findings::findings(question, &subject, &state, missing, &registration, noise)?;
     found.warnings.extend(gaps);
     Ok(found)
 }
@@ -168,7 +168,7 @@ fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
         values: Vec::new(),
         own: Vec::new(),
         effects: Vec::new(),
-        surroundings: Surroundings::default(),
+        environment: Environment::default(),
         frames: data.frames,
         warnings: Vec::new(),
     }

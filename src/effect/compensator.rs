@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{ActiveEffect, Acts, Extended, Recorded, Setting, Surroundings, seen, to_be_seen_at};
+use super::{ActiveEffect, ActsOn, AvailableData, EffectContext, Environment, Extended, seen, to_be_seen_at};
 use crate::conditions::{Conditions, Run};
-use crate::mechanism::{GeometryError, KinematicsError, Mechanism, settled};
+use crate::mechanism::{GeometryError, KinematicsError, Mechanism, consistent};
 use crate::pose::Pose;
 
 /// Commands poses one after the other, the first one from home.
@@ -62,22 +62,22 @@ impl Compensator {
     /// [`GeometryError`] if the mechanism cannot be copied.
     pub fn new(
         plain: &dyn Mechanism,
-        surroundings: &Arc<Surroundings>,
+        environment: &Arc<Environment>,
         effects: &[ActiveEffect],
         as_seen: bool,
     ) -> Result<Self, GeometryError> {
         let (left_out, used): (Vec<ActiveEffect>, Vec<ActiveEffect>) = effects
             .iter()
             .cloned()
-            .partition(|e| e.effect.describes_one_run() || (e.effect.acts_on() == Acts::Measurement && !as_seen));
+            .partition(|e| e.effect.describes_one_run() || (e.effect.acts_on() == ActsOn::Measurement && !as_seen));
         let (moving, instrument): (Vec<_>, Vec<_>) =
-            used.into_iter().partition(|e| e.effect.acts_on() == Acts::Mechanism);
+            used.into_iter().partition(|e| e.effect.acts_on() == ActsOn::Mechanism);
         let inner = plain.with_values(plain.values(), plain.home())?;
-        let model = Extended::new(inner, Arc::clone(surroundings), moving);
-        let setting = Setting::new(model.inner(), surroundings);
+        let model = Extended::new(inner, Arc::clone(environment), moving);
+        let context = EffectContext::new(model.inner(), environment);
         let needs_run = |e: &ActiveEffect| {
-            let without = Recorded { run: false, ..Recorded::everything(&setting, &e.at) };
-            !e.effect.missing(&setting, &without).is_empty()
+            let without = AvailableData { run: false, ..AvailableData::everything(&context, &e.at) };
+            !e.effect.missing(&context, &without).is_empty()
         };
         let remembers = model.effects().iter().any(needs_run);
         Ok(Self { model, instrument, left_out, remembers, commanded: Vec::new() })
@@ -98,12 +98,12 @@ impl Compensator {
     /// # Errors
     /// [`KinematicsError`] if the pose has no joints.
     pub fn command(&mut self, wanted: &Pose, state: &Conditions) -> Result<Compensated, KinematicsError> {
-        let surroundings = Arc::clone(self.model.surroundings());
-        let setting = Setting::new(self.model.inner(), &surroundings);
-        let recorded = Recorded::of_state(state);
+        let environment = Arc::clone(self.model.environment());
+        let context = EffectContext::new(self.model.inner(), &environment);
+        let available = AvailableData::of_state(state);
         let mut lacking = Vec::new();
         let mut acts = |effect: &ActiveEffect| {
-            let names = effect.lacking(&setting, &recorded);
+            let names = effect.lacking(&context, &available);
             let acts = names.is_empty();
             if !acts {
                 lacking.push((effect.label(), names));
@@ -117,19 +117,19 @@ impl Compensator {
             values.extend(effect.values.iter().map(|v| v * factor));
         }
         let instrument: Vec<ActiveEffect> = self.instrument.iter().filter(|e| acts(e)).cloned().collect();
-        let home = setting.home_joints().to_vec();
-        let target = to_be_seen_at(&instrument, &setting, &home, wanted, state);
+        let home = context.home_joints().to_vec();
+        let target = to_be_seen_at(&instrument, &context, &home, wanted, state);
 
         let mut at = state.clone();
         let row = self.commanded.len();
         at.previous_joints = Some(self.commanded.last().cloned().unwrap_or(home));
-        let (mut taken, mut joints) = settled(&self.model, &values, &target, &at)?;
+        let (mut taken, mut joints) = consistent(&self.model, &values, &target, &at)?;
         // What depends on the whole history depends on the command itself, which is its last row.
         let mut history = if self.remembers { self.commanded.clone() } else { Vec::new() };
         history.push(joints.clone());
         for _ in 0..if self.remembers { ROUNDS } else { 0 } {
             at.run = Some(Run { row, part: 0.0, joints: history.clone().into() });
-            (taken, joints) = settled(&self.model, &values, &target, &at)?;
+            (taken, joints) = consistent(&self.model, &values, &target, &at)?;
             let change = joints.iter().zip(&history[row]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             history[row].clone_from(&joints);
             // Also where a number is not finite.
@@ -137,7 +137,7 @@ impl Compensator {
                 break;
             }
         }
-        let seen = seen(&instrument, &setting, &joints, &taken, state);
+        let seen = seen(&instrument, &context, &joints, &taken, state);
         let used = self.model.effects().iter().chain(&instrument);
         let active = used.filter(|e| lacking.iter().all(|(label, _)| *label != e.label()));
         let outside = active.flat_map(|e| {

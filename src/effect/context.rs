@@ -24,7 +24,7 @@ pub struct Sensor {
 
 /// What a mechanism file states about the world around the mechanism, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surroundings {
+pub struct Environment {
     /// Temperature at which the geometry holds, °C.
     pub reference_temperature: Option<f64>,
     /// The same for single covariates, where no common one is stated: the means of the run.
@@ -44,7 +44,7 @@ pub struct Surroundings {
     pub home_joints: Option<Vec<f64>>,
 }
 
-impl Surroundings {
+impl Environment {
     /// The same with the mean of every temperature of a run as reference where none is stated.
     #[must_use]
     pub fn with_references_of(&self, data: &Dataset) -> Self {
@@ -88,7 +88,7 @@ impl Surroundings {
 
 /// What was recorded with the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recorded {
+pub struct AvailableData {
     /// Covariates that every sample has.
     pub covariates: BTreeSet<String>,
     /// True if the direction of gravity is known for every sample.
@@ -101,7 +101,7 @@ pub struct Recorded {
     pub samples: usize,
 }
 
-impl Recorded {
+impl AvailableData {
     /// What every sample of `data` has.
     pub fn of(data: &Dataset) -> Self {
         let mut samples = data.iter();
@@ -143,11 +143,11 @@ impl Recorded {
 
 /// The machine that effects act on.
 #[derive(Clone, Debug)]
-pub struct Setting<'a> {
+pub struct EffectContext<'a> {
     /// The mechanism without effects.
     pub mechanism: &'a dyn Mechanism,
     /// What stands around it.
-    pub surroundings: &'a Surroundings,
+    pub environment: &'a Environment,
     home: Home,
 }
 
@@ -159,10 +159,10 @@ pub(super) struct Home {
 }
 
 impl Home {
-    pub(super) fn of(mechanism: &dyn Mechanism, surroundings: &Surroundings) -> Self {
+    pub(super) fn of(mechanism: &dyn Mechanism, environment: &Environment) -> Self {
         let n = mechanism.joints().len();
         let own = || mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
-        let joints = match &surroundings.home_joints {
+        let joints = match &environment.home_joints {
             Some(stated) if stated.len() == n => stated.clone(),
             _ => own().unwrap_or_else(|_| vec![0.0; n]),
         };
@@ -175,14 +175,14 @@ impl Home {
     }
 }
 
-impl<'a> Setting<'a> {
+impl<'a> EffectContext<'a> {
     /// A mechanism and what stands around it.
-    pub fn new(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings) -> Self {
-        Self::with_home(mechanism, surroundings, Home::of(mechanism, surroundings))
+    pub fn new(mechanism: &'a dyn Mechanism, environment: &'a Environment) -> Self {
+        Self::with_home(mechanism, environment, Home::of(mechanism, environment))
     }
 
-    pub(super) fn with_home(mechanism: &'a dyn Mechanism, surroundings: &'a Surroundings, home: Home) -> Self {
-        Self { mechanism, surroundings, home }
+    pub(super) fn with_home(mechanism: &'a dyn Mechanism, environment: &'a Environment, home: Home) -> Self {
+        Self { mechanism, environment, home }
     }
 
     /// Joints at home.
@@ -239,7 +239,7 @@ fn leg_directions(mechanism: &dyn Mechanism, c: &[f64], pose: &Pose) -> Vec<Opti
 #[derive(Clone, Debug)]
 pub struct Site<'a> {
     /// The machine.
-    pub setting: &'a Setting<'a>,
+    pub context: &'a EffectContext<'a>,
     /// Parameters of the mechanism.
     pub values: &'a [f64],
     /// Commanded joints.
@@ -260,11 +260,11 @@ impl Site<'_> {
             "temp_legs" => self.conditions.leg_temperature()?,
             name => self.conditions.get(name)?,
         };
-        Some(self.setting.surroundings.difference(covariate, value))
+        Some(self.context.environment.difference(covariate, value))
     }
 
     /// Unit vectors along the legs, from base to platform.
     pub fn legs(&self) -> Vec<Option<Vector3<f64>>> {
-        leg_directions(self.setting.mechanism, self.values, self.pose)
+        leg_directions(self.context.mechanism, self.values, self.pose)
     }
 }

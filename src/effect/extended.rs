@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::context::Home;
-use super::{Acts, Effect, EffectParameter, Perturbation, ScanPoint, Setting, Site, Surroundings};
+use super::{ActsOn, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site};
 use crate::conditions::Conditions;
 use crate::mechanism::{
     GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole, ParameterSpec,
@@ -46,7 +46,7 @@ impl ActiveEffect {
     }
 
     /// Its parameters as parameters of a mechanism or of a measurement.
-    pub(super) fn specs(&self, setting: &Setting<'_>) -> Vec<ParameterSpec> {
+    pub(super) fn specs(&self, context: &EffectContext<'_>) -> Vec<ParameterSpec> {
         let label = self.label();
         let spec = |(p, value): (EffectParameter, &f64)| ParameterSpec {
             name: format!("{label}.{}", p.name),
@@ -56,7 +56,7 @@ impl ActiveEffect {
             tolerance: Some(TOLERATED * p.scale),
             role: ParameterRole::Other,
         };
-        self.effect.parameters(setting).into_iter().zip(&self.values).map(spec).collect()
+        self.effect.parameters(context).into_iter().zip(&self.values).map(spec).collect()
     }
 }
 
@@ -94,7 +94,7 @@ pub(crate) fn label(name: &str, at: &ScanPoint) -> String {
 #[derive(Debug)]
 pub struct Extended {
     inner: Box<dyn Mechanism>,
-    surroundings: Arc<Surroundings>,
+    environment: Arc<Environment>,
     home: Home,
     effects: Vec<ActiveEffect>,
     specs: Vec<ParameterSpec>,
@@ -107,21 +107,21 @@ const ROUNDS: usize = 30;
 const SETTLED: f64 = 1e-14;
 
 impl Extended {
-    /// A mechanism with effects; those that act on the measurement are left out (see [`super::SeenThrough`]).
-    pub fn new(inner: Box<dyn Mechanism>, surroundings: Arc<Surroundings>, effects: Vec<ActiveEffect>) -> Self {
+    /// A mechanism with effects; those that act on the measurement are left out (see [`super::WithInstrumentEffects`]).
+    pub fn new(inner: Box<dyn Mechanism>, environment: Arc<Environment>, effects: Vec<ActiveEffect>) -> Self {
         let effects: Vec<ActiveEffect> =
-            effects.into_iter().filter(|e| e.effect.acts_on() == Acts::Mechanism).collect();
-        let home = Home::of(inner.as_ref(), &surroundings);
+            effects.into_iter().filter(|e| e.effect.acts_on() == ActsOn::Mechanism).collect();
+        let home = Home::of(inner.as_ref(), &environment);
         let mut specs = inner.parameters().to_vec();
         let mut values = inner.values().to_vec();
         {
-            let setting = Setting::with_home(inner.as_ref(), &surroundings, home.clone());
+            let context = EffectContext::with_home(inner.as_ref(), &environment, home.clone());
             for effect in &effects {
-                specs.extend(effect.specs(&setting));
+                specs.extend(effect.specs(&context));
                 values.extend(&effect.values);
             }
         }
-        Self { inner, surroundings, home, effects, specs, values }
+        Self { inner, environment, home, effects, specs, values }
     }
 
     /// The mechanism without effects.
@@ -135,12 +135,12 @@ impl Extended {
     }
 
     /// What stands around it.
-    pub fn surroundings(&self) -> &Arc<Surroundings> {
-        &self.surroundings
+    pub fn environment(&self) -> &Arc<Environment> {
+        &self.environment
     }
 
-    fn setting(&self) -> Setting<'_> {
-        Setting::with_home(self.inner.as_ref(), &self.surroundings, self.home.clone())
+    fn context(&self) -> EffectContext<'_> {
+        EffectContext::with_home(self.inner.as_ref(), &self.environment, self.home.clone())
     }
 
     /// Parameters of the mechanism and of the effects.
@@ -175,8 +175,8 @@ impl Extended {
         }
         let mut block = MotionBlock::sized_for(self.inner.as_ref());
         self.inner.motion_block(inner, joints, pose, at, &mut block)?;
-        let setting = self.setting();
-        let site = Site { setting: &setting, values: inner, joints, pose, conditions: at, joint_motion: &block.joints };
+        let context = self.context();
+        let site = Site { context: &context, values: inner, joints, pose, conditions: at, joint_motion: &block.joints };
         let mut sum = Perturbation::sized(inner.len(), joints.len());
         let mut first = 0;
         for effect in &self.effects {
@@ -198,8 +198,8 @@ impl Extended {
         at: &Conditions,
         block: &MotionBlock,
     ) -> Vec<Perturbation> {
-        let setting = self.setting();
-        let site = Site { setting: &setting, values: inner, joints, pose, conditions: at, joint_motion: &block.joints };
+        let context = self.context();
+        let site = Site { context: &context, values: inner, joints, pose, conditions: at, joint_motion: &block.joints };
         Perturbation::per_unit(&self.effects, &site)
     }
 }
@@ -224,7 +224,7 @@ impl Mechanism for Extended {
         let (inner, theta) = self.split(c);
         let effects = ActiveEffect::with_values(&self.effects, theta.iter().copied());
         let inner = self.inner.with_values(inner, home)?;
-        let mut made = Self::new(inner, Arc::clone(&self.surroundings), effects);
+        let mut made = Self::new(inner, Arc::clone(&self.environment), effects);
         // The values that effects had in the file stay the nominal ones, and they go on measuring from the same joints.
         made.specs.clone_from(&self.specs);
         made.home.keep_joints(&self.home);
@@ -249,7 +249,7 @@ impl Mechanism for Extended {
 
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
         let inner = self.inner.mounted(base, target)?;
-        let mut made = Self::new(inner, Arc::clone(&self.surroundings), self.effects.clone());
+        let mut made = Self::new(inner, Arc::clone(&self.environment), self.effects.clone());
         made.specs.clone_from(&self.specs);
         made.home.keep_joints(&self.home);
         Some(Box::new(made))

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Matrix6xX, Rotation3, Vector6};
 
 use crate::conditions::Conditions;
 use crate::effect::context::Home;
-use crate::effect::{ActiveEffect, Acts, Perturbation, Setting, Site, Surroundings};
+use crate::effect::{ActiveEffect, ActsOn, EffectContext, Environment, Perturbation, Site};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame};
 use crate::mechanism::{GeometryError, Mechanism, ParameterSpec};
 use crate::pose::Pose;
@@ -15,10 +15,10 @@ use crate::pose::Pose;
 ///
 /// Its own parameters are those of the measurement behind it, then those of the effects.
 #[derive(Debug)]
-pub struct SeenThrough {
+pub struct WithInstrumentEffects {
     inner: Arc<dyn MeasurementModel>,
     mechanism: Box<dyn Mechanism>,
-    surroundings: Arc<Surroundings>,
+    environment: Arc<Environment>,
     home: Home,
     effects: Vec<ActiveEffect>,
     samples: Vec<Sample>,
@@ -26,7 +26,7 @@ pub struct SeenThrough {
     joint_motion: Matrix6xX<f64>,
 }
 
-impl SeenThrough {
+impl WithInstrumentEffects {
     /// The same data seen through those of the effects that act on the measurement; unchanged if there are none.
     /// `mechanism` is the one without effects.
     ///
@@ -35,25 +35,25 @@ impl SeenThrough {
     pub fn wrap(
         data: &Dataset,
         mechanism: &dyn Mechanism,
-        surroundings: &Arc<Surroundings>,
+        environment: &Arc<Environment>,
         effects: &[ActiveEffect],
     ) -> Result<Dataset, GeometryError> {
         let effects: Vec<ActiveEffect> =
-            effects.iter().filter(|e| e.effect.acts_on() == Acts::Measurement).cloned().collect();
+            effects.iter().filter(|e| e.effect.acts_on() == ActsOn::Measurement).cloned().collect();
         if effects.is_empty() {
             return Ok(data.clone());
         }
         let copy = mechanism.with_values(mechanism.values(), mechanism.home())?;
-        let home = Home::of(mechanism, surroundings);
+        let home = Home::of(mechanism, environment);
         let inner = Arc::clone(data.model());
-        let mut specs = inner.own_parameters().to_vec();
-        let setting = Setting::with_home(mechanism, surroundings, home.clone());
-        effects.iter().for_each(|e| specs.extend(e.specs(&setting)));
+        let mut specs = inner.nuisance_parameters().to_vec();
+        let context = EffectContext::with_home(mechanism, environment, home.clone());
+        effects.iter().for_each(|e| specs.extend(e.specs(&context)));
         let joint_motion = Matrix6xX::zeros(mechanism.joints().len());
         let model = Self {
             inner,
             mechanism: copy,
-            surroundings: Arc::clone(surroundings),
+            environment: Arc::clone(environment),
             home,
             effects,
             samples: data.all_samples().to_vec(),
@@ -65,10 +65,10 @@ impl SeenThrough {
 
     /// Motion of the reading per unit of each parameter of the effects.
     fn units(&self, sample: usize, pose: &Pose) -> Vec<Vector6<f64>> {
-        let setting = Setting::with_home(self.mechanism.as_ref(), &self.surroundings, self.home.clone());
+        let context = EffectContext::with_home(self.mechanism.as_ref(), &self.environment, self.home.clone());
         let Sample { joints, conditions, .. } = &self.samples[sample];
         let (values, joint_motion) = (self.mechanism.values(), &self.joint_motion);
-        let site = Site { setting: &setting, values, joints, pose, conditions, joint_motion };
+        let site = Site { context: &context, values, joints, pose, conditions, joint_motion };
         Perturbation::per_unit(&self.effects, &site).iter().map(|p| p.pose).collect()
     }
 }
@@ -76,16 +76,16 @@ impl SeenThrough {
 /// Where an instrument with these effects sees the platform. Effects on the mechanism are left out.
 pub fn seen(
     effects: &[ActiveEffect],
-    setting: &Setting<'_>,
+    context: &EffectContext<'_>,
     joints: &[f64],
     pose: &Pose,
     conditions: &Conditions,
 ) -> Pose {
     let joint_motion = Matrix6xX::zeros(joints.len());
-    let values = setting.mechanism.values();
-    let site = Site { setting, values, joints, pose, conditions, joint_motion: &joint_motion };
+    let values = context.mechanism.values();
+    let site = Site { context, values, joints, pose, conditions, joint_motion: &joint_motion };
     let mut out = Perturbation::sized(values.len(), joints.len());
-    for effect in effects.iter().filter(|e| e.effect.acts_on() == Acts::Measurement) {
+    for effect in effects.iter().filter(|e| e.effect.acts_on() == ActsOn::Measurement) {
         effect.effect.perturb(&effect.values, &effect.at, &site, &mut out);
     }
     pose.moved(&out.pose)
@@ -97,14 +97,14 @@ const ROUNDS: usize = 10;
 /// Where the platform must be to be seen at a pose.
 pub fn to_be_seen_at(
     effects: &[ActiveEffect],
-    setting: &Setting<'_>,
+    context: &EffectContext<'_>,
     joints: &[f64],
     pose: &Pose,
     conditions: &Conditions,
 ) -> Pose {
     let mut at = *pose;
     for _ in 0..ROUNDS {
-        let motion = at.motion_to(&seen(effects, setting, joints, &at, conditions));
+        let motion = at.motion_to(&seen(effects, context, joints, &at, conditions));
         at = Pose {
             position: pose.position - motion.fixed_rows::<3>(0),
             rotation: Rotation3::from_scaled_axis(-motion.fixed_rows::<3>(3)) * pose.rotation,
@@ -113,7 +113,7 @@ pub fn to_be_seen_at(
     at
 }
 
-impl MeasurementModel for SeenThrough {
+impl MeasurementModel for WithInstrumentEffects {
     fn describe(&self) -> String {
         let names: Vec<String> = self.effects.iter().map(ActiveEffect::label).collect();
         format!("{} seen through {}", self.inner.describe(), names.join(", "))
@@ -127,7 +127,7 @@ impl MeasurementModel for SeenThrough {
         self.inner.rows(sample)
     }
 
-    fn own_parameters(&self) -> &[ParameterSpec] {
+    fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.specs
     }
 
@@ -138,7 +138,7 @@ impl MeasurementModel for SeenThrough {
     }
 
     fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
-        let first = self.inner.own_parameters().len();
+        let first = self.inner.nuisance_parameters().len();
         let (inner, theta) = own.split_at(first);
         let units = self.units(sample, pose);
         let motion = units.iter().zip(theta).fold(Vector6::zeros(), |sum: Vector6<f64>, (u, t)| sum + u * *t);

@@ -21,7 +21,7 @@
 //!
 //! [`Effect`] is the trait; a consumer's own effect stands beside those of the [`catalogue()`]. [`Extended`] is a
 //! mechanism with effects, and again a [`Mechanism`](crate::mechanism::Mechanism): identification, pose selection, compensation and files work with
-//! it unchanged. Effects on the measurement are parameters of the measurement ([`SeenThrough`]).
+//! it unchanged. Effects on the measurement are parameters of the measurement ([`WithInstrumentEffects`]).
 
 pub mod catalogue;
 mod compensator;
@@ -36,10 +36,10 @@ use std::fmt::Debug;
 
 pub use catalogue::{catalogue, effect};
 pub use compensator::{Compensated, Compensator, Extrapolated};
-pub use context::{Recorded, Sensor, Setting, Site, Surroundings};
+pub use context::{AvailableData, EffectContext, Environment, Sensor, Site};
 pub(crate) use extended::label;
 pub use extended::{ActiveEffect, Extended, effects_of, without_effects};
-pub use instrument::{SeenThrough, seen, to_be_seen_at};
+pub use instrument::{WithInstrumentEffects, seen, to_be_seen_at};
 pub use perturbation::Perturbation;
 pub use scan::{Scan, ScanPoint};
 
@@ -65,7 +65,7 @@ impl EffectParameter {
 
 /// What an effect acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Acts {
+pub enum ActsOn {
     /// Joints or geometry: the platform moves, and commands can compensate it.
     Mechanism,
     /// The instrument or its frame: only the readings move.
@@ -87,8 +87,8 @@ pub trait Effect: Debug + Send + Sync {
     fn remedy(&self) -> &str;
 
     /// What it acts on.
-    fn acts_on(&self) -> Acts {
-        Acts::Mechanism
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Mechanism
     }
 
     /// True if it tells what happened in one run and predicts nothing for another: no command compensates it.
@@ -98,13 +98,13 @@ pub trait Effect: Debug + Send + Sync {
 
     /// What is missing to test it: columns of the data, entries of the mechanism file, or a property of the mechanism.
     /// Empty if it can be tested.
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String>;
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String>;
 
     /// Its parameters.
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter>;
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter>;
 
     /// What is not known beside the parameters, and is tried out.
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+    fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
         Scan::None
     }
 

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::{ActiveEffect, Recorded, ScanPoint, Setting};
+use super::{ActiveEffect, AvailableData, EffectContext, ScanPoint};
 use crate::conditions::Conditions;
 use crate::measurement::Dataset;
 
-impl Recorded {
+impl AvailableData {
     /// Everything that effects ask for: what they still miss is missing in the mechanism file.
-    pub fn everything(setting: &Setting<'_>, at: &ScanPoint) -> Self {
-        let legs = (0..setting.joints()).map(Setting::leg_temperature);
+    pub fn everything(context: &EffectContext<'_>, at: &ScanPoint) -> Self {
+        let legs = (0..context.joints()).map(EffectContext::leg_temperature);
         let known = ["temp_legs", "temp_platform", "temp_base", "payload"].map(String::from);
-        let sensors = setting.surroundings.sensors.iter().map(|s| s.covariate.clone());
+        let sensors = context.environment.sensors.iter().map(|s| s.covariate.clone());
         let covariates = legs.chain(known).chain(sensors).chain(at.covariate.clone()).collect();
         Self { covariates, gravity: true, run: true, moves: all_moves(), samples: usize::MAX }
     }
@@ -34,22 +34,22 @@ fn is_temperature(name: &str) -> bool {
 
 impl ActiveEffect {
     /// What it needs to act and `recorded` has not.
-    pub fn lacking(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+    pub fn lacking(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let own = self.own_temperatures();
         if own.is_empty() {
-            return self.effect.missing(setting, recorded);
+            return self.effect.missing(context, available);
         }
         // At one place of its scan it needs the temperatures of that place only.
-        own.into_iter().filter(|name| !recorded.has(name)).collect()
+        own.into_iter().filter(|name| !available.has(name)).collect()
     }
 
     /// The temperatures of which it takes the difference from a reference.
-    pub fn temperatures(&self, setting: &Setting<'_>) -> Vec<String> {
+    pub fn temperatures(&self, context: &EffectContext<'_>) -> Vec<String> {
         let own = self.own_temperatures();
         if !own.is_empty() {
             return own;
         }
-        let mut names = self.effect.missing(setting, &Recorded::default());
+        let mut names = self.effect.missing(context, &AvailableData::default());
         names.retain(|name| is_temperature(name));
         names
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use crate::effect::{ActiveEffect, Surroundings, effects_of, without_effects};
+use crate::effect::{ActiveEffect, Environment, effects_of, without_effects};
 use crate::files::error::{FileError, read_text};
 use crate::files::mechanism::document::{
     HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection,
@@ -25,7 +25,7 @@ pub(super) const SIX_HARDPOINT: &str = "six-hardpoint";
 /// A positioner that is commanded in coordinates of the pose.
 pub(super) const POSE: &str = "pose";
 
-/// A mechanism with its surroundings, SI.
+/// A mechanism with its environment, SI.
 #[derive(Debug)]
 pub struct Machine {
     /// Where it came from.
@@ -46,7 +46,7 @@ pub struct Machine {
     /// The plane over which heights are measured, and of which point.
     pub contact: Contact,
     /// What stands around the mechanism.
-    pub(super) surroundings: Arc<Surroundings>,
+    pub(super) environment: Arc<Environment>,
     /// Effects of its file on the measurement.
     pub(super) instrument: Vec<ActiveEffect>,
     /// Unit of its lengths.
@@ -142,8 +142,8 @@ impl Machine {
     }
 
     /// What its file states about the world around the mechanism: masses, screws, sensors, reference temperatures.
-    pub fn surroundings(&self) -> &Arc<Surroundings> {
-        &self.surroundings
+    pub fn environment(&self) -> &Arc<Environment> {
+        &self.environment
     }
 
     /// The mechanism by which the controller turns commanded poses into joints. It knows of no effects.
@@ -172,7 +172,7 @@ impl Machine {
     ) -> Result<MechanismDocument, FileError> {
         let mut document = self.plain_document_of(without_effects(mechanism), workspace, targets, frames)?;
         let effects: Vec<ActiveEffect> = effects_of(mechanism).iter().chain(&self.instrument).cloned().collect();
-        document.effects = self.effect_entries(&effects, &[], &self.surroundings);
+        document.effects = self.effect_entries(&effects, &[], &self.environment);
         Ok(document)
     }
 

@@ -50,7 +50,7 @@ impl Machine {
             &Frames::default(),
             &found.effects,
             &sigmas,
-            &found.surroundings,
+            &found.environment,
         )
     }
 }
@@ -63,7 +63,7 @@ impl<'a> Question<'a> {
         Self {
             mechanism: machine.plain(),
             data,
-            surroundings: (**machine.surroundings()).clone(),
+            environment: (**machine.environment()).clone(),
             convention: machine.convention,
             catalogue: catalogue(),
             noise_known: false,

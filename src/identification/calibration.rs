@@ -7,10 +7,10 @@ use rand::rngs::ChaCha8Rng;
 use crate::identification::judgement::held_out::held_out;
 use crate::identification::judgement::model_errors::{ErrorSummary, evaluate};
 use crate::identification::judgement::prediction::predicted_errors;
-use crate::identification::judgement::verdict::{Verdict, judge, with_warnings};
+use crate::identification::judgement::verdict::{CalibrationVerdict, judge, with_warnings};
 use crate::identification::judgement::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 use crate::identification::{
-    Convention, Estimate, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
+    Estimate, FrameConvention, HeldOut, Holdout, Identification, Identifier, IdentifyError, Plausibility, PriorPolicy,
     Registration, Task, Weights, frames_differ, plausibility, register,
 };
 use crate::measurement::{Dataset, Frames};
@@ -76,7 +76,7 @@ pub struct Calibration {
     /// Rigid motions, leg offsets, and what is left against the tolerances.
     pub plausibility: Plausibility,
     /// May it be used?
-    pub verdict: Verdict,
+    pub verdict: CalibrationVerdict,
 }
 
 const PREDICTED_POSES: usize = 200;
@@ -104,16 +104,16 @@ pub fn calibrate(
     let (registration, identified) = settled_registration(mechanism, data, options, &identify)?;
     let frames = registration.frames;
     let aligned = data.with_frames(frames);
-    let convention = if frames.is_identity() { Convention::Stated } else { Convention::Free };
+    let convention = if frames.is_identity() { FrameConvention::Stated } else { FrameConvention::Free };
     let mut task =
         Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
     let (mut found, mut converged) = match identified {
         Some(identified) => identified,
         None => identify(&task)?,
     };
-    if found.prior && convention == Convention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
+    if found.prior && convention == FrameConvention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
         // The tracker or the target is a little off: too little to be registered, too much for the tolerances.
-        task.convention = Convention::Free;
+        task.convention = FrameConvention::Free;
         (found, converged) = identify(&task)?;
     }
     // Mounted in the frames of the measurement a mechanism keeps the parameters of its drawing; others carry them there.
@@ -189,7 +189,7 @@ fn settled_registration(
             break;
         }
         let aligned = data.with_frames(tried.frames);
-        let (prior, weights, convention) = (options.prior, options.weights, Convention::Free);
+        let (prior, weights, convention) = (options.prior, options.weights, FrameConvention::Free);
         let (found, converged) = identify(&Task { prior, weights, convention, ..Task::new(mechanism, &aligned) })?;
         let misfit = found.misfit.chi_square;
         if !(misfit < least) {

@@ -17,7 +17,7 @@
 //! 2. choose the prior ([`PriorPolicy`]),
 //! 3. identify, and carry the result back into the tracker's frame,
 //! 4. judge: rank and [`weak_directions`], plausibility after the rigid motions are taken out
-//!    ([`plausibility`]), misfit ([`Misfit`]), errors on rows that were not fitted ([`HeldOut`]), predicted
+//!    ([`plausibility`]), misfit ([`GoodnessOfFit`]), errors on rows that were not fitted ([`HeldOut`]), predicted
 //!    errors over the workspace.
 //!
 //! Eighteen directions of the 42 are pure convention: six for where the tracker stands, six for where the
@@ -38,15 +38,15 @@ pub use estimators::identifiers::{
 };
 pub use estimators::robust::{Loss, Robust};
 pub use judgement::deviations::{Deviation, deviations};
-pub use judgement::goodness_of_fit::Misfit;
+pub use judgement::goodness_of_fit::GoodnessOfFit;
 pub use judgement::held_out::{HeldOut, Holdout};
-pub use judgement::model_errors::{ErrorSummary, ModelErrors, PoseErrors, evaluate};
+pub use judgement::model_errors::{ErrorSummary, ModelErrors, SampleError, evaluate};
 pub use judgement::plausibility::{Implausible, Plausibility, plausibility};
 pub use judgement::prediction::{pose_covariance, predicted_errors};
-pub use judgement::verdict::Verdict;
+pub use judgement::verdict::CalibrationVerdict;
 pub use judgement::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
 pub use problem::calibration_problem::{CalibrationProblem, Weights};
-pub use problem::prior::{Convention, Prior, PriorPolicy, frames_differ};
+pub use problem::prior::{FrameConvention, Prior, PriorPolicy, frames_differ};
 pub use registration::{Registration, register};
 
 use crate::measurement::Dataset;
@@ -64,12 +64,12 @@ pub struct Task<'a> {
     /// How rows are weighted.
     pub weights: Weights,
     /// Whether the data are in the frames of the mechanism file, for a prior.
-    pub convention: Convention,
+    pub convention: FrameConvention,
 }
 
 impl<'a> Task<'a> {
     /// Identification of `mechanism` from `data`, weighted by the noise, with a prior where it is needed.
     pub fn new(mechanism: &'a dyn Mechanism, data: &'a Dataset) -> Self {
-        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, convention: Convention::Stated }
+        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, convention: FrameConvention::Stated }
     }
 }

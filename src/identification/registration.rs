@@ -14,7 +14,7 @@ use crate::identification::IdentifyError;
 use crate::identification::problem::calibration_problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};
-use crate::pose::{Pose, rotation_from_spread, rotation_vector};
+use crate::pose::{Pose, kabsch, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares, svd};
 use crate::units::Dimension;
 
@@ -199,7 +199,7 @@ fn starts(pairs: &[Pair], free: Free) -> Vec<Frames> {
         }
     }
     let both = by_shift / by_shift.norm().max(f64::MIN_POSITIVE) + by_turn / by_turn.norm().max(f64::MIN_POSITIVE);
-    let mut turns: Vec<Rotation3<f64>> = [both, by_turn, by_shift].iter().filter_map(rotation_from_spread).collect();
+    let mut turns: Vec<Rotation3<f64>> = [both, by_turn, by_shift].iter().filter_map(kabsch).collect();
     if free == Free::Base {
         // The target is the platform: one sample's attitude is the whole answer.
         turns.extend(first.rotation.map(|r| r * first.nominal.rotation.inverse()));
@@ -218,7 +218,7 @@ fn complete(pairs: &[Pair], turn: Rotation3<f64>, free: Free) -> Option<Frames> 
         }
     }
     let fixed = spread == Matrix3::zeros() || free == Free::Base;
-    let turned = if fixed { Rotation3::identity() } else { rotation_from_spread(&spread)? };
+    let turned = if fixed { Rotation3::identity() } else { kabsch(&spread)? };
     let (for_target, for_base) = (f64::from(u8::from(free != Free::Base)), f64::from(u8::from(free != Free::Target)));
     let n = pairs.len();
     let (mut a, mut b) = (DMatrix::zeros(3 * n, 6), DVector::zeros(3 * n));

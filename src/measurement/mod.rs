@@ -69,14 +69,14 @@ pub trait MeasurementModel: Debug + Send + Sync {
     fn rows(&self, sample: usize) -> Vec<RowKind>;
 
     /// Parameters of the measurement that are identified together with those of the mechanism.
-    fn own_parameters(&self) -> &[ParameterSpec] {
+    fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &[]
     }
 
     /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;
     /// `None` stands for a sample that is left out. Their nominal values if nothing better is known.
     fn start(&self, _poses: &[Option<Pose>], _frames: &Frames) -> Vec<f64> {
-        self.own_parameters().iter().map(|p| p.nominal).collect()
+        self.nuisance_parameters().iter().map(|p| p.nominal).collect()
     }
 
     /// Residual and derivatives of one sample at a pose of the platform.

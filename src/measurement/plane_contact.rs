@@ -164,7 +164,7 @@ impl MeasurementModel for PlaneContact {
         vec![RowKind::Position; usize::from(self.readings[sample].height.is_some())]
     }
 
-    fn own_parameters(&self) -> &[ParameterSpec] {
+    fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.own
     }
 

@@ -98,7 +98,7 @@ impl MeasurementModel for TargetMeasurement {
         vec![RowKind::Position; self.readings[sample].iter().flatten().flatten().count()]
     }
 
-    fn own_parameters(&self) -> &[ParameterSpec] {
+    fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.own
     }
 

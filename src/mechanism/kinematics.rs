@@ -10,7 +10,7 @@ use crate::solve::{
     NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton, svd,
 };
 
-/// Smallest part of the way that [`follow_joints`] tries in one step.
+/// Smallest part of the way that [`continuation`] tries in one step.
 const SHORTEST_PART: f64 = 1.0 / 256.0;
 /// Cosine of a radian: a solution that turned farther from its seed is taken for another branch until it was
 /// followed there.
@@ -25,7 +25,7 @@ const COS_FAR_TURN: f64 = 0.540_302_305_868_139_8;
 ///
 /// # Errors
 /// [`KinematicsError::OutOfReach`] with the part of the way that could be followed.
-pub fn follow_joints(
+pub fn continuation(
     joints: &[f64],
     seed: &Pose,
     seed_joints: impl FnOnce() -> Result<Vec<f64>, KinematicsError>,
@@ -189,11 +189,11 @@ pub fn forward_by_rows(
     let (_, motion) = rows(joints, seed);
     if motion.nrows() > 6 {
         let solve = |joints: &[f64], seed: &Pose| best_pose(joints, seed, motion.nrows(), &mut rows);
-        return follow_joints(joints, seed, seed_joints, 0.0, solve);
+        return continuation(joints, seed, seed_joints, 0.0, solve);
     }
     // The starting pose tells on which side of the singularities the mechanism works.
     let side = motion.determinant().signum();
-    follow_joints(joints, seed, seed_joints, side, |joints, seed| {
+    continuation(joints, seed, seed_joints, side, |joints, seed| {
         newton(SixRows { rows: &mut rows, joints }, *seed, NewtonOptions::default())
     })
 }
@@ -230,7 +230,7 @@ pub fn forward_by_closure<M: Mechanism + ?Sized>(
 ///
 /// # Errors
 /// [`KinematicsError`] if there is none.
-pub fn settled<M: Mechanism + ?Sized>(
+pub fn consistent<M: Mechanism + ?Sized>(
     mechanism: &M,
     c: &[f64],
     pose: &Pose,
@@ -254,7 +254,7 @@ pub fn motion_of_point(
     pivot: &Vector3<f64>,
 ) -> Result<DMatrix<f64>, KinematicsError> {
     let (c, at) = (mechanism.values(), Conditions::unknown());
-    let (pose, joints) = settled(mechanism, c, pose, &at)?;
+    let (pose, joints) = consistent(mechanism, c, pose, &at)?;
     let mut block = MotionBlock::sized_for(mechanism);
     mechanism.motion_block(c, &joints, &pose, &at, &mut block)?;
     let mut seen = Matrix6::identity();

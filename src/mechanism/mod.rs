@@ -42,7 +42,7 @@ pub use characteristics::{Body, characteristic_length, condition, rigid_directio
 use characteristics::{check_held, inverse_motion};
 pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{
-    follow_joints, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point, settled,
+    consistent, continuation, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point,
 };
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub use pose_positioner::PosePositioner;

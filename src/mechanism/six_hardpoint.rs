@@ -16,7 +16,7 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::six_legs::{SixLegs, leg_row};
 use super::{
     Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
-    ParameterSpec, check_held, follow_joints, inverse_motion,
+    ParameterSpec, check_held, continuation, inverse_motion,
 };
 use crate::conditions::Conditions;
 use crate::pose::Pose;
@@ -275,7 +275,7 @@ impl Mechanism for SixHardpoint {
         if joints.len() != LEGS {
             return Err(KinematicsError::JointCount { expected: LEGS, found: joints.len() });
         }
-        follow_joints(
+        continuation(
             joints,
             seed,
             || self.inverse(c, seed, at),

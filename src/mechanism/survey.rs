@@ -1,6 +1,6 @@
 //! What joints and conditioning do over a workspace.
 
-use super::{Mechanism, Workspace, condition, settled};
+use super::{Mechanism, Workspace, condition, consistent};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
@@ -34,7 +34,7 @@ impl Survey {
         let centre = workspace.pose(&[0.0; 6]);
         for pose in std::iter::once(&centre).chain(&workspace.corners()).chain(further) {
             survey.poses += 1;
-            let Ok((pose, joints)) = settled(mechanism, c, pose, &at) else {
+            let Ok((pose, joints)) = consistent(mechanism, c, pose, &at) else {
                 survey.unreachable += 1;
                 continue;
             };

@@ -18,7 +18,7 @@ mod convention;
 mod rigid_fit;
 
 pub use convention::{PoseConvention, RotationOrder};
-pub use rigid_fit::{fit_rigid_motion, rotation_from_spread};
+pub use rigid_fit::{fit_rigid_motion, kabsch};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
 

@@ -19,12 +19,12 @@ pub fn fit_rigid_motion(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Option<Po
     for (p, q) in from.iter().zip(to) {
         spread += (q - to_centre) * (p - from_centre).transpose();
     }
-    let rotation = rotation_from_spread(&spread)?;
+    let rotation = kabsch(&spread)?;
     Some(Pose { position: to_centre - rotation * from_centre, rotation })
 }
 
 /// The rotation that maximises `tr(Rᵀ S)`; `None` where `S` has rank below two.
-pub fn rotation_from_spread(spread: &Matrix3<f64>) -> Option<Rotation3<f64>> {
+pub fn kabsch(spread: &Matrix3<f64>) -> Option<Rotation3<f64>> {
     if spread.iter().any(|v| !v.is_finite()) {
         return None;
     }

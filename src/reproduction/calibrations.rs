@@ -4,7 +4,7 @@ use rand::rngs::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use super::sets::Place;
-use super::{Lab, ReproduceError, paper};
+use super::{ReproduceError, ReproductionContext, paper};
 use crate::identification::{LeastSquares, LevenbergMarquardt, PriorPolicy, Weights};
 use crate::measurement::Noise;
 use crate::mechanism::Mechanism;
@@ -90,13 +90,17 @@ impl Draws {
 }
 
 /// Repeats calibrations, each study once, in parallel.
-pub(super) fn calibrate(lab: &Lab<'_>, what: &str, studies: &[Study<'_>]) -> Result<Vec<Draws>, ReproduceError> {
+pub(super) fn calibrate(
+    context: &ReproductionContext<'_>,
+    what: &str,
+    studies: &[Study<'_>],
+) -> Result<Vec<Draws>, ReproduceError> {
     let key = |s: &Study<'_>| {
         let Study { place, set, at, noise, truth, fit, draws, seed, .. } = s;
         let (p, r) = (noise.position, noise.rotation);
         format!("{}: {set}; {fit:?}, {truth:?}, noise {p:e} {r:e}, {draws} at {at}, {seed}", place.name)
     };
-    lab.units(&format!("calibrations for {what}"), studies, key, |s| s.run())
+    context.units(&format!("calibrations for {what}"), studies, key, |s| s.run())
 }
 
 impl Study<'_> {

@@ -4,11 +4,11 @@ use std::fmt;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// Whether a printed number is what the simulation gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Agreement {
     /// It lies in the central 95 % of single draws, which are within 5 % of their mean; or within 1 % of the mean.
     Reproduced,
     /// It lies in the central 95 % of single draws, which are wider than that.
@@ -17,7 +17,7 @@ pub enum Verdict {
     NotReproduced,
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for Agreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Reproduced => "reproduced",
@@ -50,7 +50,7 @@ const SAME: f64 = 0.01;
 impl Spread {
     /// Of independent draws.
     pub fn of(draws: &[f64]) -> Self {
-        let all = Running::of(draws.iter().copied());
+        let all = RunningStats::of(draws.iter().copied());
         let (mean, error) = (all.mean(), all.standard_error());
         if draws.len() >= MANY {
             return Self { mean, error, low: quantile(draws, 0.025), high: quantile(draws, 0.975) };
@@ -64,7 +64,8 @@ impl Spread {
 
     /// Of draws that come in sets, each with something in common: the error of the mean is that over the sets.
     pub fn of_sets(sets: &[Vec<f64>]) -> Self {
-        let means = Running::of(sets.iter().filter(|s| !s.is_empty()).map(|s| Running::of(s.iter().copied()).mean()));
+        let means =
+            RunningStats::of(sets.iter().filter(|s| !s.is_empty()).map(|s| RunningStats::of(s.iter().copied()).mean()));
         let all: Vec<f64> = sets.iter().flatten().copied().collect();
         Self { mean: means.mean(), error: means.standard_error(), ..Self::of(&all) }
     }
@@ -76,7 +77,7 @@ impl Spread {
 
     /// 95 % confidence interval of the mean of a few independent draws.
     pub fn of_mean(draws: &[f64]) -> Self {
-        let all = Running::of(draws.iter().copied());
+        let all = RunningStats::of(draws.iter().copied());
         let (mean, error) = (all.mean(), all.standard_error());
         let half = student(draws.len() as f64 - 1.0) * error;
         Self { mean, error, low: mean - half, high: mean + half }
@@ -114,7 +115,7 @@ pub struct Comparison {
     /// What we find.
     pub ours: Spread,
     /// Whether they agree, if there is something to agree with.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<Agreement>,
     /// A statement of the paper that is judged, where it is no number.
     pub claim: Option<&'static str>,
     /// Why they do not, or what else is to be known.
@@ -124,7 +125,7 @@ pub struct Comparison {
 impl Comparison {
     /// A statement of the paper, with the number of ours that decides it.
     pub fn claim(quantity: impl Into<String>, claim: &'static str, ours: Spread, holds: bool) -> Self {
-        let verdict = Some(if holds { Verdict::Reproduced } else { Verdict::NotReproduced });
+        let verdict = Some(if holds { Agreement::Reproduced } else { Agreement::NotReproduced });
         Self { claim: Some(claim), verdict, ..Self::ours(quantity, "", ours) }
     }
 
@@ -156,20 +157,20 @@ impl Comparison {
     /// With a remark if it is not reproduced.
     #[must_use]
     pub fn unless_reproduced(self, why: &str) -> Self {
-        if self.verdict == Some(Verdict::NotReproduced) { self.because(why) } else { self }
+        if self.verdict == Some(Agreement::NotReproduced) { self.because(why) } else { self }
     }
 }
 
-fn judge(paper: f64, ours: &Spread) -> Verdict {
+fn judge(paper: f64, ours: &Spread) -> Agreement {
     let size = ours.mean.abs();
     let inside = (ours.low..=ours.high).contains(&paper);
     let narrow = ours.high - ours.mean <= NARROW * size && ours.mean - ours.low <= NARROW * size;
     if (paper - ours.mean).abs() <= SAME * size || (inside && narrow) {
-        Verdict::Reproduced
+        Agreement::Reproduced
     } else if inside {
-        Verdict::WithinOneDraw
+        Agreement::WithinOneDraw
     } else {
-        Verdict::NotReproduced
+        Agreement::NotReproduced
     }
 }
 
@@ -180,11 +181,11 @@ mod tests {
     #[test]
     fn verdicts_need_agreement_and_a_narrow_spread() {
         let spread = |half: f64| Spread { mean: 1.0, error: 0.0, low: 1.0 - half, high: 1.0 + half };
-        assert_eq!(judge(1.03, &spread(0.04)), Verdict::Reproduced);
-        assert_eq!(judge(1.03, &spread(0.5)), Verdict::WithinOneDraw);
-        assert_eq!(judge(1.6, &spread(0.5)), Verdict::NotReproduced);
-        assert_eq!(judge(1.009, &spread(0.001)), Verdict::Reproduced);
-        assert_eq!(judge(1.011, &spread(0.001)), Verdict::NotReproduced);
+        assert_eq!(judge(1.03, &spread(0.04)), Agreement::Reproduced);
+        assert_eq!(judge(1.03, &spread(0.5)), Agreement::WithinOneDraw);
+        assert_eq!(judge(1.6, &spread(0.5)), Agreement::NotReproduced);
+        assert_eq!(judge(1.009, &spread(0.001)), Agreement::Reproduced);
+        assert_eq!(judge(1.011, &spread(0.001)), Agreement::NotReproduced);
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Calibrations under the four conditions of Table 3, from which Table 4 and Figure 5 are made.
 
 use super::calibrations::{Fit, Study, Truth, calibrate};
-use super::lab::Purpose;
+use super::context::Purpose;
 use super::paper::{CONDITIONS, Condition};
 use super::sets::{Chosen, How, Place, Wanted, choose};
-use super::{Lab, ReproduceError, Spread, paper};
+use super::{ReproduceError, ReproductionContext, Spread, paper};
 use crate::pose::Pose;
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// The five indices, as the paper orders them.
 pub(super) const INDICES: [&str; 5] = ["o1", "o2", "o3", "o4", "o5"];
@@ -28,7 +28,7 @@ pub(super) struct Outcome {
 
 /// Means over draws, one a list.
 pub(super) fn means(lists: &[Vec<Option<f64>>]) -> Vec<f64> {
-    lists.iter().map(|draws| Running::of(draws.iter().flatten().copied()).mean()).collect()
+    lists.iter().map(|draws| RunningStats::of(draws.iter().flatten().copied()).mean()).collect()
 }
 
 /// All draws of all lists; the error of their mean is that over the lists.
@@ -39,16 +39,16 @@ pub(super) fn pooled(lists: &[Vec<Option<f64>>]) -> Spread {
 
 /// What is calibrated under each condition.
 pub(super) struct Bench<'a> {
-    lab: &'a Lab<'a>,
+    context: &'a ReproductionContext<'a>,
     place: &'a Place,
     targets: Vec<Vec<Pose>>,
 }
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(lab: &'a Lab<'a>, place: &'a Place) -> Self {
-        let targets =
-            (0..lab.settings.lists).map(|list| place.random(lab.seed(Purpose::Targets, list), paper::TARGETS.0));
-        Self { lab, place, targets: targets.collect() }
+    pub(super) fn new(context: &'a ReproductionContext<'a>, place: &'a Place) -> Self {
+        let targets = (0..context.settings.lists)
+            .map(|list| place.random(context.seed(Purpose::Targets, list), paper::TARGETS.0));
+        Self { context, place, targets: targets.collect() }
     }
 
     pub(super) fn study(
@@ -60,7 +60,7 @@ impl<'a> Bench<'a> {
         fit: Fit,
         draws: u64,
     ) -> Study<'a> {
-        let which = list % self.lab.settings.lists;
+        let which = list % self.context.settings.lists;
         Study {
             place: self.place,
             set,
@@ -71,12 +71,12 @@ impl<'a> Bench<'a> {
             truth: Truth::Drawn,
             fit,
             draws,
-            seed: self.lab.seed(Purpose::Draws, ((number as u64) << 16) | list),
+            seed: self.context.seed(Purpose::Draws, ((number as u64) << 16) | list),
         }
     }
 
     pub(super) fn wanted(&self, number: usize, how: How, lists: u64) -> Vec<Wanted> {
-        Wanted::over(self.lab, how, CONDITIONS[number].poses, lists)
+        Wanted::over(self.context, how, CONDITIONS[number].poses, lists)
     }
 }
 
@@ -89,37 +89,37 @@ fn plan() -> Vec<(How, Fit)> {
 }
 
 /// All calibrations behind Table 4 and Figure 5.
-pub(super) fn outcomes(lab: &Lab<'_>, place: &Place) -> Result<Vec<Outcome>, ReproduceError> {
-    let bench = Bench::new(lab, place);
+pub(super) fn outcomes(context: &ReproductionContext<'_>, place: &Place) -> Result<Vec<Outcome>, ReproduceError> {
+    let bench = Bench::new(context, place);
     let mut wanted = Vec::new();
     for number in 0..CONDITIONS.len() {
         for (how, _) in plan() {
-            wanted.extend(bench.wanted(number, how, how.lists(lab)));
+            wanted.extend(bench.wanted(number, how, how.lists(context)));
         }
     }
-    let mut chosen = choose(lab, place, "table 4", &wanted)?.into_iter();
+    let mut chosen = choose(context, place, "table 4", &wanted)?.into_iter();
     let mut studies = Vec::new();
     for (number, condition) in CONDITIONS.iter().enumerate() {
         for (how, fit) in plan() {
-            for list in 0..how.lists(lab) {
+            for list in 0..how.lists(context) {
                 let Some(set) = chosen.next() else { continue };
                 let name = format!("{how:?} {}, list {list}", condition.name);
-                let draws = if how == How::Random { DRAWS_A_RANDOM_SET } else { lab.settings.draws };
+                let draws = if how == How::Random { DRAWS_A_RANDOM_SET } else { context.settings.draws };
                 studies.push(bench.study(number, list, name, &set, fit, draws));
             }
         }
     }
-    let mut results = calibrate(lab, "table 4", &studies)?.into_iter();
+    let mut results = calibrate(context, "table 4", &studies)?.into_iter();
     let mut take = |count: u64| -> Vec<Vec<Option<f64>>> {
         results.by_ref().take(count as usize).map(|draws| draws.by_number()).collect()
     };
-    let lists = lab.settings.lists;
+    let lists = context.settings.lists;
     let outcome = |condition: &'static Condition| Outcome {
         condition,
         draws: INDICES.iter().map(|_| take(lists)).collect(),
         weighted: INDICES.iter().map(|_| take(lists)).collect(),
         improved: take(lists),
-        random: take(lab.random_sets()),
+        random: take(context.random_sets()),
     };
     Ok(CONDITIONS.iter().map(outcome).collect())
 }

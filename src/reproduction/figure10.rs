@@ -2,12 +2,12 @@
 
 use super::calibrations::{Draws, Fit, Study, Truth, calibrate};
 use super::comparison::quantile;
+use super::context::Purpose;
 use super::exhibit::Listing;
-use super::lab::Purpose;
 use super::sets::{Chosen, How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper, small_stroke};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper, small_stroke};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// Numbers of poses.
 const POSES: [usize; 12] = [8, 10, 12, 14, 16, 20, 25, 30, 40, 50, 60, 80];
@@ -24,22 +24,22 @@ struct Curve {
 }
 
 impl Curve {
-    fn lists(&self, lab: &Lab<'_>) -> u64 {
+    fn lists(&self, context: &ReproductionContext<'_>) -> u64 {
         match self.how {
             How::Improved => IMPROVED_LISTS,
-            how => how.lists(lab),
+            how => how.lists(context),
         }
     }
 
     /// Mean errors over draws for a number of poses, one for each list.
     fn means(&self, k: usize) -> Vec<f64> {
-        self.errors[k].iter().map(|draws| Running::of(draws.iter().copied()).mean()).collect()
+        self.errors[k].iter().map(|draws| RunningStats::of(draws.iter().copied()).mean()).collect()
     }
 
     /// The expected error: mean over lists, or the median of random sets, whose mean is that of a few very bad ones.
     fn expected(&self, k: usize) -> f64 {
         let means = self.means(k);
-        if self.how == How::Random { quantile(&means, 0.5) } else { Running::of(means).mean() }
+        if self.how == How::Random { quantile(&means, 0.5) } else { RunningStats::of(means).mean() }
     }
 
     /// 95 % confidence interval of the expected error.
@@ -51,7 +51,7 @@ impl Curve {
             return (quantile(&means, 0.5 - half), quantile(&means, 0.5 + half));
         }
         let spread = if means.len() > 1 { Spread::of_mean(&means) } else { Spread::exactly(means[0]) };
-        let draws = Running::of(self.errors[k].iter().flatten().copied());
+        let draws = RunningStats::of(self.errors[k].iter().flatten().copied());
         let half = 1.96 * draws.standard_error();
         (spread.low.min(spread.mean - half), spread.high.max(spread.mean + half))
     }
@@ -72,8 +72,8 @@ impl Curve {
     }
 }
 
-fn curves(lab: &Lab<'_>, place: &Place) -> Result<[Curve; 5], ReproduceError> {
-    let targets = place.random(lab.seed(Purpose::Targets, 1), paper::TARGETS.1);
+fn curves(context: &ReproductionContext<'_>, place: &Place) -> Result<[Curve; 5], ReproduceError> {
+    let targets = place.random(context.seed(Purpose::Targets, 1), paper::TARGETS.1);
     let curve = |name, how, fit| Curve { name, how, fit, errors: Vec::new() };
     let mut curves = [
         curve("O1", How::Tabu("o1"), Fit::Paper),
@@ -82,12 +82,13 @@ fn curves(lab: &Lab<'_>, place: &Place) -> Result<[Curve; 5], ReproduceError> {
         curve("random, weighted rows", How::Random, Fit::Weighted),
         curve("improved poses, weighted rows", How::Improved, Fit::Weighted),
     ];
-    let wanted_by =
-        |c: &Curve| -> Vec<Wanted> { POSES.iter().flat_map(|n| Wanted::over(lab, c.how, *n, c.lists(lab))).collect() };
+    let wanted_by = |c: &Curve| -> Vec<Wanted> {
+        POSES.iter().flat_map(|n| Wanted::over(context, c.how, *n, c.lists(context))).collect()
+    };
     let mut studies = Vec::new();
     for c in &curves {
         let wanted = wanted_by(c);
-        let sets: Vec<Chosen> = choose(lab, place, "figure 10", &wanted)?;
+        let sets: Vec<Chosen> = choose(context, place, "figure 10", &wanted)?;
         for (w, set) in wanted.iter().zip(&sets) {
             studies.push(Study {
                 place,
@@ -98,24 +99,24 @@ fn curves(lab: &Lab<'_>, place: &Place) -> Result<[Curve; 5], ReproduceError> {
                 noise: paper::noise(),
                 truth: Truth::Table6,
                 fit: c.fit,
-                draws: (lab.settings.draws / c.lists(lab)).max(5),
-                seed: lab.seed(Purpose::Draws, 0x10_0000 | w.list),
+                draws: (context.settings.draws / c.lists(context)).max(5),
+                seed: context.seed(Purpose::Draws, 0x10_0000 | w.list),
             });
         }
     }
     let mut results =
-        calibrate(lab, "figure 10", &studies)?.iter().map(Draws::integrated).collect::<Vec<_>>().into_iter();
+        calibrate(context, "figure 10", &studies)?.iter().map(Draws::integrated).collect::<Vec<_>>().into_iter();
     for c in &mut curves {
-        let lists = c.lists(lab) as usize;
+        let lists = c.lists(context) as usize;
         c.errors = POSES.iter().map(|_| results.by_ref().take(lists).collect()).collect();
     }
     Ok(curves)
 }
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let curves = curves(lab, &place)?;
-    let small = small_stroke::compare(lab)?;
+    let curves = curves(context, &place)?;
+    let small = small_stroke::compare(context)?;
     let comment = "Figure 10: expected integrated error (mm + degrees) by number of poses, with its 95 % confidence interval; the \
                    median of sets for random poses";
     let mut listing = Listing::new("figure10", comment, &["poses", "calibration", "error", "low", "high"]);
@@ -146,7 +147,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     for (c, n) in [(chosen, 20), (random, 20), (random, 50), (weighted, 20), (improved, 20)] {
         comparisons.push(Comparison::ours(format!("{n} poses: {}", c.name), "mm + deg", c.expected_at(n)));
     }
-    let mut findings = vec![bump(chosen, random, weighted_random), equal_poses(lab, &place)?];
+    let mut findings = vec![bump(chosen, random, weighted_random), equal_poses(context, &place)?];
     let equal: Vec<String> = POSES
         .iter()
         .filter_map(|n| equivalent(chosen.at(*n), random).map(|m| format!("{n} chosen are worth {m:.0} random")))
@@ -211,11 +212,12 @@ fn bump(chosen: &Curve, random: &Curve, weighted: &Curve) -> String {
 }
 
 /// How many of the 20 poses the two scalings share among the same candidates.
-fn equal_poses(lab: &Lab<'_>, place: &Place) -> Result<String, ReproduceError> {
-    let sets =
-        |how: How| choose(lab, place, "both scalings", &Wanted::over(lab, how, paper::POSES, lab.settings.lists));
+fn equal_poses(context: &ReproductionContext<'_>, place: &Place) -> Result<String, ReproduceError> {
+    let sets = |how: How| {
+        choose(context, place, "both scalings", &Wanted::over(context, how, paper::POSES, context.settings.lists))
+    };
     let (plain, whitened) = (sets(How::Tabu("o1"))?, sets(How::WhitenedTabu)?);
-    let shared = Running::of(plain.iter().zip(&whitened).map(|(a, b)| a.shared_with(b) as f64));
+    let shared = RunningStats::of(plain.iter().zip(&whitened).map(|(a, b)| a.shared_with(b) as f64));
     Ok(format!(
         "Of the 20 poses that tabu DETMAX chooses for O1 in mm and rad, {:.1} ({:.0} to {:.0} over lists) are also chosen on \
          whitened rows: the choice depends little on the weighting, the estimate depends on it a lot.",

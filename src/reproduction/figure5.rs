@@ -3,18 +3,18 @@
 use super::conditions::{INDICES, Outcome, outcomes};
 use super::exhibit::Listing;
 use super::sets::Place;
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// Bars of a histogram.
 const BARS: usize = 40;
 /// Points of a density curve.
 const POINTS: usize = 120;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_4()?;
-    let all = outcomes(lab, &place)?;
+    let all = outcomes(context, &place)?;
     let comment = "Figure 5: integrated error (mm + degrees) of each calibration, with errors and noise of its own";
     let mut header = vec!["condition", "list", "draw"];
     header.extend(INDICES);
@@ -66,7 +66,7 @@ pub(super) fn histogram(values: &[f64], low: f64, width: f64, bars: usize) -> Ve
 
 /// The share that two sets of draws have in common, by histograms over both.
 fn overlap(a: &[f64], b: &[f64]) -> f64 {
-    let all = Running::of(a.iter().chain(b).copied());
+    let all = RunningStats::of(a.iter().chain(b).copied());
     let width = (all.largest() - all.least()) / BARS as f64;
     let (in_a, in_b) = (histogram(a, all.least(), width, BARS), histogram(b, all.least(), width, BARS));
     let share = |(x, y): (&[f64; 2], &[f64; 2])| (x[1] / a.len() as f64).min(y[1] / b.len() as f64);
@@ -75,7 +75,7 @@ fn overlap(a: &[f64], b: &[f64]) -> f64 {
 
 /// Density of draws by normal kernels of Silverman's width (1986, eq. 3.28).
 fn density(values: &[f64], low: f64, high: f64) -> Vec<[f64; 2]> {
-    let sd = Running::of(values.iter().copied()).sd();
+    let sd = RunningStats::of(values.iter().copied()).sd();
     let width = 1.06 * sd * (values.len() as f64).powf(-0.2);
     let scale = 1.0 / (values.len() as f64 * width * (2.0 * std::f64::consts::PI).sqrt());
     let at = |k: usize| {
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn every_value_is_in_one_bar_and_a_density_has_area_one() {
         let values: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.618).fract() + 1.0).collect();
-        let all = Running::of(values.iter().copied());
+        let all = RunningStats::of(values.iter().copied());
         let bars = histogram(&values, all.least(), (all.largest() - all.least()) / 7.0, 7);
         assert_eq!(bars.iter().map(|b| b[1]).sum::<f64>(), 1000.0);
         let curve = density(&values, 0.0, 3.0);

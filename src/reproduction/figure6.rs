@@ -2,14 +2,15 @@
 
 use super::exhibit::Listing;
 use super::sets::{Chosen, How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let searches =
-        |how: How| choose(lab, &place, "figure 6", &Wanted::over(lab, how, paper::POSES, lab.settings.lists));
+    let searches = |how: How| {
+        choose(context, &place, "figure 6", &Wanted::over(context, how, paper::POSES, context.settings.lists))
+    };
     let (tabu, plain) = (searches(How::Tabu("o1"))?, searches(How::Detmax("o1"))?);
     let (value, to_best, to_end) = paper::SEARCH;
     let over = |chosen: &[Chosen], f: fn(&Chosen) -> f64| Spread::of(&chosen.iter().map(f).collect::<Vec<f64>>());
@@ -29,7 +30,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
             }
         }
     }
-    let gain = Running::of(tabu.iter().zip(&plain).map(|(t, p)| 100.0 * (t.value / p.value - 1.0)));
+    let gain = RunningStats::of(tabu.iter().zip(&plain).map(|(t, p)| 100.0 * (t.value / p.value - 1.0)));
     let findings = vec![format!(
         "The list lets the search leave the set at which DETMAX ends; the best set seen is {:.1} % better (mean over {} lists).",
         gain.mean(),

@@ -2,35 +2,35 @@
 
 use rand::seq::index::sample;
 
+use super::context::Purpose;
 use super::exhibit::Listing;
-use super::lab::Purpose;
 use super::sets::{How, Place, Wanted, choose, indices_of_random_sets};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
-use crate::simulation::{Running, stream};
+use crate::simulation::{RunningStats, stream};
 
 /// Bars of the histogram.
 const BARS: usize = 30;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let lists: Vec<u64> = (0..lab.settings.lists).collect();
-    let values = lab.units(
+    let lists: Vec<u64> = (0..context.settings.lists).collect();
+    let values = context.units(
         "random sets of figure 7",
         &lists,
         |list| format!("{}: O1 of {} random sets of list {list}", place.name, paper::RANDOM_SETS),
         |list| {
-            let seed = lab.seed(Purpose::RandomSets, *list);
-            let draw = |set: u64| sample(&mut stream(seed, set), lab.settings.candidates, paper::POSES).into_vec();
-            indices_of_random_sets(lab, &place, *list, paper::RANDOM_SETS, draw)
+            let seed = context.seed(Purpose::RandomSets, *list);
+            let draw = |set: u64| sample(&mut stream(seed, set), context.settings.candidates, paper::POSES).into_vec();
+            indices_of_random_sets(context, &place, *list, paper::RANDOM_SETS, draw)
         },
     )?;
-    let summaries: Vec<Running> = values.iter().map(|v| Running::of(v.iter().copied())).collect();
-    let over = |f: fn(&Running) -> f64| Spread::of(&summaries.iter().map(f).collect::<Vec<f64>>());
+    let summaries: Vec<RunningStats> = values.iter().map(|v| RunningStats::of(v.iter().copied())).collect();
+    let over = |f: fn(&RunningStats) -> f64| Spread::of(&summaries.iter().map(f).collect::<Vec<f64>>());
     let (mean, largest) = paper::RANDOM_O1;
     let comparisons = vec![
-        Comparison::new("mean O1 of 1000 random sets of 20 poses", "", mean, over(Running::mean)),
-        Comparison::new("largest O1 of 1000 random sets", "", largest, over(Running::largest)),
+        Comparison::new("mean O1 of 1000 random sets of 20 poses", "", mean, over(RunningStats::mean)),
+        Comparison::new("largest O1 of 1000 random sets", "", largest, over(RunningStats::largest)),
     ];
     let comment = "Figure 7: O1 (mm, rad) of random sets of 20 poses, for each list of candidates";
     let mut listing = Listing::new("figure7", comment, &["list", "set", "o1"]);
@@ -40,13 +40,13 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
         }
     }
     let first = &summaries[0];
-    let searched = Wanted::over(lab, How::Tabu("o1"), paper::POSES, lab.settings.lists);
-    let searched = Running::of(choose(lab, &place, "figure 7", &searched)?.iter().map(|c| c.value));
-    let random = over(Running::mean).mean;
+    let searched = Wanted::over(context, How::Tabu("o1"), paper::POSES, context.settings.lists);
+    let searched = RunningStats::of(choose(context, &place, "figure 7", &searched)?.iter().map(|c| c.value));
+    let random = over(RunningStats::mean).mean;
     let findings = vec![format!(
         "The best of a thousand random sets has {:.2} times the mean; sets chosen by tabu DETMAX from the same candidates \
          have {:.2} times. Drawing more sets does not replace choosing.",
-        over(Running::largest).mean / random,
+        over(RunningStats::largest).mean / random,
         searched.mean() / random
     )];
     Ok(Exhibit {
@@ -60,7 +60,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     })
 }
 
-fn figure(values: &[f64], summary: &Running) -> Figure {
+fn figure(values: &[f64], summary: &RunningStats) -> Figure {
     let (low, high) = (summary.least(), summary.largest());
     let width = (high - low) / BARS as f64;
     let bars = super::figure5::histogram(values, low, width, BARS);

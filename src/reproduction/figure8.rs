@@ -3,29 +3,29 @@
 use nalgebra::DVector;
 use rand::rngs::ChaCha8Rng;
 
+use super::context::Purpose;
 use super::exhibit::Listing;
-use super::lab::Purpose;
 use super::sets::{How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::identification::{CalibrationProblem, Identifier, LeastSquares, PriorPolicy, Task, Weights};
 use crate::measurement::{Dataset, Noise};
 use crate::mechanism::Mechanism;
 use crate::pose::Pose;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::{Running, as_dataset, simulate, stream, target_errors};
+use crate::simulation::{RunningStats, as_dataset, simulate, stream, target_errors};
 use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, LinearMethod, SolveError, least_squares};
 
 /// Iterations that the figure shows.
 const ITERATIONS: usize = 5;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let poses = chosen_set(lab, &place)?;
+    let poses = chosen_set(context, &place)?;
     let nominal = place.nominal();
     let truth = paper::with_table_6(nominal)?;
     let measure = |noise: &Noise| -> Result<Dataset, ReproduceError> {
         let convention = &place.space.convention;
-        let mut rng = one_draw(lab, 0);
+        let mut rng = one_draw(context, 0);
         let samples = simulate(nominal, truth.as_ref(), &poses, convention, noise, &mut rng)
             .map_err(|(index, cause)| crate::simulation::TrialError::Pose { index, cause })?;
         Ok(as_dataset(&samples, convention, noise))
@@ -84,7 +84,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
          repeats the first, and the identified dh are given nowhere."
             .into(),
         table_7.untransposed(),
-        as_printed(lab, &place, truth.as_ref())?,
+        as_printed(context, &place, truth.as_ref())?,
     ];
     Ok(Exhibit {
         name: "figure8",
@@ -98,12 +98,16 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
 }
 
 /// What a calibration would leave that took Table 7 as it is printed.
-fn as_printed(lab: &Lab<'_>, place: &Place, truth: &dyn Mechanism) -> Result<String, ReproduceError> {
+fn as_printed(
+    context: &ReproductionContext<'_>,
+    place: &Place,
+    truth: &dyn Mechanism,
+) -> Result<String, ReproduceError> {
     let nominal = place.nominal();
-    let targets = place.random(lab.seed(Purpose::Targets, 0), paper::TARGETS.1);
+    let targets = place.random(context.seed(Purpose::Targets, 0), paper::TARGETS.1);
     let left = |model: &dyn Mechanism| -> Result<(f64, f64), ReproduceError> {
         let e = target_errors(model, truth, &targets, &place.space.convention)?;
-        let mean = |v: Vec<f64>| Running::of(v).mean();
+        let mean = |v: Vec<f64>| RunningStats::of(v).mean();
         Ok((1e3 * mean(e.positions), mean(e.rotations).to_degrees()))
     };
     let printed = paper::in_order(&paper::TABLE_7);
@@ -235,10 +239,10 @@ impl Table7 {
     }
 
     fn untransposed(&self) -> String {
-        let transposed = Running::of(self.entries().map(|e| (e.2 - e.3).powi(2))).mean().sqrt();
+        let transposed = RunningStats::of(self.entries().map(|e| (e.2 - e.3).powi(2))).mean().sqrt();
         let literal = |leg: usize| (0..7).map(move |c| (paper::TABLE_7[leg][c] - paper::TABLE_6[leg][c]).powi(2));
-        let as_printed = Running::of((0..6).flat_map(literal)).mean().sqrt();
-        let before = Running::of(paper::TABLE_6.iter().flatten().map(|e| e * e)).mean().sqrt();
+        let as_printed = RunningStats::of((0..6).flat_map(literal)).mean().sqrt();
+        let before = RunningStats::of(paper::TABLE_6.iter().flatten().map(|e| e * e)).mean().sqrt();
         format!(
             "Root mean square of Table 7 - Table 6: {transposed:.4} mm transposed, {as_printed:.2} mm as printed; the errors \
              themselves are {before:.2} mm."
@@ -268,11 +272,11 @@ fn figure(nominal: &dyn Mechanism, values: &[DVector<f64>]) -> Figure {
 }
 
 /// The noise of the one calibration that figures show.
-pub(super) fn one_draw(lab: &Lab<'_>, number: u64) -> ChaCha8Rng {
-    stream(lab.seed(Purpose::OneDraw, 0), number)
+pub(super) fn one_draw(context: &ReproductionContext<'_>, number: u64) -> ChaCha8Rng {
+    stream(context.seed(Purpose::OneDraw, 0), number)
 }
 
 /// The 20 poses of section 5.
-pub(super) fn chosen_set(lab: &Lab<'_>, place: &Place) -> Result<Vec<Pose>, ReproduceError> {
-    Ok(choose(lab, place, "20 poses", &Wanted::over(lab, How::Tabu("o1"), paper::POSES, 1))?[0].poses())
+pub(super) fn chosen_set(context: &ReproductionContext<'_>, place: &Place) -> Result<Vec<Pose>, ReproduceError> {
+    Ok(choose(context, place, "20 poses", &Wanted::over(context, How::Tabu("o1"), paper::POSES, 1))?[0].poses())
 }

@@ -1,11 +1,11 @@
 //! Figure 9: errors at each of 150 targets, after one calibration with chosen and one with random poses.
 
 use super::calibrations::{Fit, Study, Truth};
+use super::context::Purpose;
 use super::exhibit::Listing;
 use super::figure8::{chosen_set, one_draw};
-use super::lab::Purpose;
 use super::sets::{How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::pose::Pose;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::simulation::TargetErrors;
@@ -13,10 +13,10 @@ use crate::simulation::TargetErrors;
 /// Random sets of which the median is shown.
 const RANDOM_SETS: u64 = 21;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
     let truth = paper::with_table_6(place.nominal())?;
-    let targets = place.random(lab.seed(Purpose::Targets, 0), paper::TARGETS.1);
+    let targets = place.random(context.seed(Purpose::Targets, 0), paper::TARGETS.1);
     // All calibrations have the same noise, as in the paper.
     let calibrated = |poses: Vec<Pose>| -> Result<TargetErrors, ReproduceError> {
         let study = Study {
@@ -31,16 +31,16 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
             draws: 1,
             seed: 0,
         };
-        Ok(study.run_once(truth.as_ref(), &mut one_draw(lab, 0))?.errors)
+        Ok(study.run_once(truth.as_ref(), &mut one_draw(context, 0))?.errors)
     };
-    let wanted = Wanted::over(lab, How::Random, paper::POSES, RANDOM_SETS);
-    let mut random = choose(lab, &place, "figure 9", &wanted)?
+    let wanted = Wanted::over(context, How::Random, paper::POSES, RANDOM_SETS);
+    let mut random = choose(context, &place, "figure 9", &wanted)?
         .iter()
         .map(|set| calibrated(set.poses()))
         .collect::<Result<Vec<TargetErrors>, ReproduceError>>()?;
     random.sort_by(|a, b| a.integrated().total_cmp(&b.integrated()));
     let typical = random.swap_remove(random.len() / 2);
-    let errors = [("with O1", calibrated(chosen_set(lab, &place)?)?), ("traditional", typical)];
+    let errors = [("with O1", calibrated(chosen_set(context, &place)?)?), ("traditional", typical)];
     let comment = "Figure 9: errors at 150 targets after one calibration";
     let header = ["calibration", "target", "position_error_mm", "attitude_error_deg"];
     let mut listing = Listing::new("figure9", comment, &header);

@@ -7,9 +7,9 @@
 //!
 //! | verdict | the printed number |
 //! |---|---|
-//! | [`Verdict::Reproduced`] | lies in the central 95 % of single draws, which is narrow, or within 1 % of the mean |
-//! | [`Verdict::WithinOneDraw`] | lies in the central 95 % of single draws, which is so wide that this says little |
-//! | [`Verdict::NotReproduced`] | lies outside; the exhibit says why |
+//! | [`Agreement::Reproduced`] | lies in the central 95 % of single draws, which is narrow, or within 1 % of the mean |
+//! | [`Agreement::WithinOneDraw`] | lies in the central 95 % of single draws, which is so wide that this says little |
+//! | [`Agreement::NotReproduced`] | lies outside; the exhibit says why |
 //!
 //! | name | shows |
 //! |---|---|
@@ -20,11 +20,12 @@
 //! | `table8`, `figure9` | errors at 150 targets for chosen and for random poses |
 //! | `figure10` | error against the number of poses; what weighting and better poses gain; a small stroke |
 //!
-//! Tables 2, 3, 5 and 6 are inputs. [`reproduce`] makes exhibits, [`Lab`] holds settings and keeps finished work.
+//! Tables 2, 3, 5 and 6 are inputs. [`reproduce`] makes exhibits, [`ReproductionContext`] holds settings and keeps finished work.
 
 mod calibrations;
 mod comparison;
 mod conditions;
+mod context;
 mod exhibit;
 mod figure10;
 mod figure5;
@@ -32,7 +33,6 @@ mod figure6;
 mod figure7;
 mod figure8;
 mod figure9;
-mod lab;
 pub mod paper;
 mod ranking;
 mod render;
@@ -42,9 +42,9 @@ mod table1;
 mod table4;
 mod table8;
 
-pub use comparison::{Comparison, Spread, Verdict};
+pub use comparison::{Agreement, Comparison, Spread};
+pub use context::{Progress, ReproduceError, ReproductionContext, Settings};
 pub use exhibit::{Exhibit, Listing};
-pub use lab::{Lab, Progress, ReproduceError, Settings};
 pub use render::page;
 
 /// Names of the exhibits in the order of the paper.
@@ -55,17 +55,17 @@ pub const EXHIBITS: [&str; 9] =
 ///
 /// # Errors
 /// [`ReproduceError`]; [`ReproduceError::Unknown`] for a name that is not in [`EXHIBITS`].
-pub fn reproduce(name: &str, lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub fn reproduce(name: &str, context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     match name {
-        "table1" => table1::exhibit(lab),
-        "table4" => table4::exhibit(lab),
-        "figure5" => figure5::exhibit(lab),
-        "figure6" => figure6::exhibit(lab),
-        "figure7" => figure7::exhibit(lab),
-        "figure8" => figure8::exhibit(lab),
-        "table8" => table8::exhibit(lab),
-        "figure9" => figure9::exhibit(lab),
-        "figure10" => figure10::exhibit(lab),
+        "table1" => table1::exhibit(context),
+        "table4" => table4::exhibit(context),
+        "figure5" => figure5::exhibit(context),
+        "figure6" => figure6::exhibit(context),
+        "figure7" => figure7::exhibit(context),
+        "figure8" => figure8::exhibit(context),
+        "table8" => table8::exhibit(context),
+        "figure9" => figure9::exhibit(context),
+        "figure10" => figure10::exhibit(context),
         _ => Err(ReproduceError::Unknown { name: name.to_owned() }),
     }
 }

@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use serde_json::{Value, json};
 
-use super::{Comparison, Exhibit, Settings, Verdict};
+use super::{Agreement, Comparison, Exhibit, Settings};
 use crate::report::html::shell;
 use crate::report::text::table;
 
@@ -24,7 +24,7 @@ fn interval(c: &Comparison) -> String {
 fn cells(c: &Comparison) -> [String; 5] {
     let printed = c.paper.map(shown).or_else(|| c.claim.map(|_| "claim".into())).unwrap_or_default();
     let verdict = match (c.claim, c.verdict) {
-        (Some(_), Some(v)) => if v == Verdict::Reproduced { "holds" } else { "does not hold" }.into(),
+        (Some(_), Some(v)) => if v == Agreement::Reproduced { "holds" } else { "does not hold" }.into(),
         (_, v) => v.map(|v| v.to_string()).unwrap_or_default(),
     };
     [printed, shown(c.ours.mean), interval(c), c.unit.to_owned(), verdict]
@@ -64,20 +64,20 @@ impl Settings {
 
 impl Exhibit {
     /// How many numbers of the paper have this verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
+    pub fn count(&self, verdict: Agreement) -> usize {
         self.comparisons.iter().filter(|c| c.paper.is_some() && c.verdict == Some(verdict)).count()
     }
 
     /// How many statements of the paper are judged, and how many of them hold.
     pub fn claims(&self) -> (usize, usize) {
         let claims = || self.comparisons.iter().filter(|c| c.claim.is_some());
-        (claims().count(), claims().filter(|c| c.verdict == Some(Verdict::Reproduced)).count())
+        (claims().count(), claims().filter(|c| c.verdict == Some(Agreement::Reproduced)).count())
     }
 
     /// The verdicts in one sentence.
     pub fn summary(&self) -> String {
         let [held, drawn, not] =
-            [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(|v| self.count(v));
+            [Agreement::Reproduced, Agreement::WithinOneDraw, Agreement::NotReproduced].map(|v| self.count(v));
         let (claims, hold) = self.claims();
         let numbers = (held + drawn + not > 0).then(|| {
             let all = held + drawn + not;
@@ -140,9 +140,9 @@ impl Exhibit {
     fn section(&self) -> Markup {
         let row = |c: &Comparison| {
             let class = match c.verdict {
-                Some(Verdict::Reproduced) => "held",
-                Some(Verdict::WithinOneDraw) => "drawn",
-                Some(Verdict::NotReproduced) => "not",
+                Some(Agreement::Reproduced) => "held",
+                Some(Agreement::WithinOneDraw) => "drawn",
+                Some(Agreement::NotReproduced) => "not",
                 None => "",
             };
             html! {
@@ -175,8 +175,8 @@ impl Exhibit {
 
 /// All exhibits on one page: HTML without scripts and without anything from elsewhere.
 pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
-    let count = |v: Verdict| exhibits.iter().map(|e| e.count(v)).sum::<usize>();
-    let [held, drawn, not] = [Verdict::Reproduced, Verdict::WithinOneDraw, Verdict::NotReproduced].map(count);
+    let count = |v: Agreement| exhibits.iter().map(|e| e.count(v)).sum::<usize>();
+    let [held, drawn, not] = [Agreement::Reproduced, Agreement::WithinOneDraw, Agreement::NotReproduced].map(count);
     let claims = exhibits.iter().map(Exhibit::claims).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     let body = html! {
         h1 { "Kinematic calibration of six hardpoints: the paper reproduced" }

@@ -4,8 +4,8 @@ use rand::seq::index::sample;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::lab::Purpose;
-use super::{Lab, ReproduceError, paper};
+use super::context::Purpose;
+use super::{ReproduceError, ReproductionContext, paper};
 use crate::files::Machine;
 use crate::mechanism::{Mechanism, Workspace};
 use crate::observability::{O1, ObservabilityIndex, PoseSet, Scaling, index};
@@ -85,15 +85,15 @@ pub(super) struct Wanted {
 
 impl How {
     /// Lists that a calibration is repeated over: as many as are asked for, and more random sets.
-    pub(super) fn lists(self, lab: &Lab<'_>) -> u64 {
-        if self == Self::Random { lab.random_sets() } else { lab.settings.lists }
+    pub(super) fn lists(self, context: &ReproductionContext<'_>) -> u64 {
+        if self == Self::Random { context.random_sets() } else { context.settings.lists }
     }
 }
 
 impl Wanted {
     /// A set of `n` poses from each of the first `lists` lists, with the candidates of the settings.
-    pub(super) fn over(lab: &Lab<'_>, how: How, n: usize, lists: u64) -> Vec<Self> {
-        (0..lists).map(|list| Self { how, n, list, candidates: lab.settings.candidates }).collect()
+    pub(super) fn over(context: &ReproductionContext<'_>, how: How, n: usize, lists: u64) -> Vec<Self> {
+        (0..lists).map(|list| Self { how, n, list, candidates: context.settings.candidates }).collect()
     }
 }
 
@@ -120,7 +120,7 @@ impl Chosen {
 
 /// Chooses sets, each once, in parallel.
 pub(super) fn choose(
-    lab: &Lab<'_>,
+    context: &ReproductionContext<'_>,
     place: &Place,
     what: &str,
     wanted: &[Wanted],
@@ -129,14 +129,14 @@ pub(super) fn choose(
         let Wanted { how, n, list, candidates } = w;
         format!("{}: {how:?}, {n} poses, list {list} of {candidates}", place.name)
     };
-    lab.units(&format!("choosing poses for {what}"), wanted, key, |w| one(lab, place, w))
+    context.units(&format!("choosing poses for {what}"), wanted, key, |w| one(context, place, w))
 }
 
-fn one(lab: &Lab<'_>, place: &Place, wanted: &Wanted) -> Result<Chosen, ReproduceError> {
+fn one(context: &ReproductionContext<'_>, place: &Place, wanted: &Wanted) -> Result<Chosen, ReproduceError> {
     let Wanted { how, n, list, candidates } = *wanted;
     let whitened = matches!(how, How::Improved | How::WhitenedTabu);
     let campaign = place.campaign(if whitened { Scaling::Whitened } else { Scaling::Paper })?;
-    let seed = lab.seed(Purpose::Candidates, list);
+    let seed = context.seed(Purpose::Candidates, list);
     let sources = Sources { random: candidates, corners_and_grid: how == How::Improved, seed, ..Sources::default() };
     let candidates = Candidates::collect(&campaign, &sources)?;
     let named = match how {
@@ -150,18 +150,18 @@ fn one(lab: &Lab<'_>, place: &Place, wanted: &Wanted) -> Result<Chosen, Reproduc
         index,
         given: &[],
         count: n,
-        seed: lab.seed(Purpose::Search, list),
+        seed: context.seed(Purpose::Search, list),
         watch: &|_| {},
     };
     let tabu = TabuDetmax { length: paper::TABU_LENGTH, iterations: paper::TABU_ITERATIONS };
     let choice = match how {
         How::Tabu(_) | How::WhitenedTabu => tabu.select(&problem)?,
         How::Detmax(_) => Detmax::default().select(&problem)?,
-        How::Restarts => restarts(lab, &problem, list)?,
+        How::Restarts => restarts(context, &problem, list)?,
         How::Exchange => Exchange { polish: false, ..Exchange::default() }.select(&problem)?,
         How::Improved => Exchange::default().select(&problem)?,
         How::Random => {
-            let drawn = sample(&mut stream(lab.seed(Purpose::RandomSets, list), 0), candidates.len(), n).into_vec();
+            let drawn = sample(&mut stream(context.seed(Purpose::RandomSets, list), 0), candidates.len(), n).into_vec();
             Choice { poses: problem.poses(&drawn), iterations: 0, trace: Vec::new() }
         }
     };
@@ -171,13 +171,13 @@ fn one(lab: &Lab<'_>, place: &Place, wanted: &Wanted) -> Result<Chosen, Reproduc
 }
 
 /// Plain DETMAX from new random sets until it has had as many iterations as the tabu search.
-fn restarts(lab: &Lab<'_>, problem: &Problem<'_>, list: u64) -> Result<Choice, ReproduceError> {
+fn restarts(context: &ReproductionContext<'_>, problem: &Problem<'_>, list: u64) -> Result<Choice, ReproduceError> {
     let mut best: Option<(f64, Choice)> = None;
     let mut iterations = 0;
     let mut start = 0;
     while iterations < paper::TABU_ITERATIONS {
         let left = paper::TABU_ITERATIONS - iterations;
-        let seed = lab.seed(Purpose::Restarts, (list << 16) | start);
+        let seed = context.seed(Purpose::Restarts, (list << 16) | start);
         let choice = Detmax { iterations: left }.select(&Problem { seed, ..*problem })?;
         iterations += choice.iterations.max(1);
         start += 1;
@@ -193,15 +193,18 @@ fn restarts(lab: &Lab<'_>, problem: &Problem<'_>, list: u64) -> Result<Choice, R
 
 /// O1 (mm and rad) of sets of candidates of a list, given by their numbers.
 pub(super) fn indices_of_random_sets(
-    lab: &Lab<'_>,
+    context: &ReproductionContext<'_>,
     place: &Place,
     list: u64,
     sets: u64,
     draw: impl Fn(u64) -> Vec<usize> + Sync,
 ) -> Result<Vec<f64>, ReproduceError> {
     let campaign = place.campaign(Scaling::Paper)?;
-    let sources =
-        Sources { random: lab.settings.candidates, seed: lab.seed(Purpose::Candidates, list), ..Sources::default() };
+    let sources = Sources {
+        random: context.settings.candidates,
+        seed: context.seed(Purpose::Candidates, list),
+        ..Sources::default()
+    };
     let candidates = Candidates::collect(&campaign, &sources)?;
     let value = |set: u64| PoseSet::new(&candidates.pool, &O1, &[], &draw(set)).value();
     Ok((0..sets).into_par_iter().map(value).collect())

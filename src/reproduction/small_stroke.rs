@@ -1,11 +1,11 @@
 //! The stroke of a real hardpoint beside the paper's: what can still be told.
 
 use super::calibrations::{Draws, Fit, Study, Truth, calibrate};
+use super::context::Purpose;
 use super::exhibit::Listing;
-use super::lab::Purpose;
 use super::sets::{How, Place, Wanted, choose};
-use super::{Lab, ReproduceError, paper};
-use crate::simulation::Running;
+use super::{ReproduceError, ReproductionContext, paper};
+use crate::simulation::RunningStats;
 
 /// Half-ranges of a hardpoint that moves a mirror, mm and degrees.
 const SMALL: (f64, f64) = (10.0, 0.5);
@@ -28,16 +28,16 @@ pub(super) struct SmallStroke {
 }
 
 /// Calibrations with 20 improved poses in both workspaces, by three estimators; errors are drawn anew each time.
-pub(super) fn compare(lab: &Lab<'_>) -> Result<SmallStroke, ReproduceError> {
+pub(super) fn compare(context: &ReproductionContext<'_>) -> Result<SmallStroke, ReproduceError> {
     let places = [
         ("100 mm, 10 deg", Place::of_section_5()?),
         ("10 mm, 0.5 deg", Place::new("Table 5", paper::table_5()?, SMALL)),
     ];
-    let targets = places.each_ref().map(|(_, place)| place.random(lab.seed(Purpose::Targets, 2), paper::TARGETS.0));
+    let targets = places.each_ref().map(|(_, place)| place.random(context.seed(Purpose::Targets, 2), paper::TARGETS.0));
     let mut rows = Vec::new();
     let mut studies = Vec::new();
     for ((space, place), targets) in places.iter().zip(&targets) {
-        let chosen = choose(lab, place, "a small stroke", &Wanted::over(lab, How::Improved, paper::POSES, 1))?;
+        let chosen = choose(context, place, "a small stroke", &Wanted::over(context, How::Improved, paper::POSES, 1))?;
         for fit in FITS {
             rows.push((*space, fit));
             studies.push(Study {
@@ -49,12 +49,12 @@ pub(super) fn compare(lab: &Lab<'_>) -> Result<SmallStroke, ReproduceError> {
                 noise: paper::noise(),
                 truth: Truth::Drawn,
                 fit,
-                draws: lab.settings.draws,
-                seed: lab.seed(Purpose::Draws, 0x20_0000),
+                draws: context.settings.draws,
+                seed: context.seed(Purpose::Draws, 0x20_0000),
             });
         }
     }
-    let mut all = calibrate(lab, "a small stroke", &studies)?;
+    let mut all = calibrate(context, "a small stroke", &studies)?;
     let failed: Vec<usize> = all.iter().map(Draws::failed).collect();
     // Estimators are compared over the draws that all of them came through.
     for of_place in all.chunks_mut(FITS.len()) {
@@ -71,12 +71,12 @@ pub(super) fn compare(lab: &Lab<'_>) -> Result<SmallStroke, ReproduceError> {
 impl Row {
     /// Root mean square error of a parameter, mm.
     fn parameters(&self) -> f64 {
-        Running::of(self.draws.each(|d| d.parameters.powi(2))).mean().sqrt()
+        RunningStats::of(self.draws.each(|d| d.parameters.powi(2))).mean().sqrt()
     }
 
     /// Mean position error at the targets, mm, and mean attitude error, degrees.
     fn pose(&self) -> (f64, f64) {
-        let mean = |k: usize| Running::of(self.draws.each(|d| d.table_8[k])).mean();
+        let mean = |k: usize| RunningStats::of(self.draws.each(|d| d.table_8[k])).mean();
         (mean(1), mean(3))
     }
 

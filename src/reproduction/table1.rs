@@ -2,9 +2,9 @@
 
 use super::exhibit::Listing;
 use super::sets::{Chosen, How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// Numbers of candidates besides the 2000 of section 5.
 const OTHER_CANDIDATES: [(usize, &str); 2] = [
@@ -27,18 +27,18 @@ impl Row {
     }
 }
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let rows = rows(lab, &place)?;
+    let rows = rows(context, &place)?;
     let mut comparisons: Vec<Comparison> = rows.iter().map(compared).collect();
-    let efforts = efforts(lab, &place)?;
+    let efforts = efforts(context, &place)?;
     for (candidates, remark) in OTHER_CANDIDATES {
         let how = How::Tabu("o1");
-        let wanted: Vec<Wanted> = Wanted::over(lab, how, paper::POSES, lab.settings.lists)
+        let wanted: Vec<Wanted> = Wanted::over(context, how, paper::POSES, context.settings.lists)
             .into_iter()
             .map(|wanted| Wanted { candidates, ..wanted })
             .collect();
-        let values: Vec<f64> = choose(lab, &place, "other lists", &wanted)?.iter().map(|c| c.value).collect();
+        let values: Vec<f64> = choose(context, &place, "other lists", &wanted)?.iter().map(|c| c.value).collect();
         let quantity = format!("O1, 20 poses of {candidates}, tabu DETMAX");
         let row = Comparison::new(quantity, "", paper::TABLE_1[0].1[0], Spread::of(&values));
         comparisons.push(row.not_judged().because(remark));
@@ -65,7 +65,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
     })
 }
 
-fn rows(lab: &Lab<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
+fn rows(context: &ReproductionContext<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
     let mut rows = Vec::new();
     let mut wanted = Vec::new();
     for (index, with_tabu, without) in paper::TABLE_1 {
@@ -73,12 +73,12 @@ fn rows(lab: &Lab<'_>, place: &Place) -> Result<Vec<Row>, ReproduceError> {
             for (n, paper) in paper::TABLE_1_POSES.into_iter().zip(printed) {
                 let how = if tabu { How::Tabu(index) } else { How::Detmax(index) };
                 rows.push(Row { index, tabu, n, paper, values: Vec::new() });
-                wanted.extend(Wanted::over(lab, how, n, lab.settings.lists));
+                wanted.extend(Wanted::over(context, how, n, context.settings.lists));
             }
         }
     }
-    let chosen = choose(lab, place, "table 1", &wanted)?;
-    let lists = lab.settings.lists as usize;
+    let chosen = choose(context, place, "table 1", &wanted)?;
+    let lists = context.settings.lists as usize;
     for (row, chosen) in rows.iter_mut().zip(chosen.chunks(lists)) {
         row.values = chosen.iter().map(|c| c.value).collect();
     }
@@ -92,7 +92,7 @@ fn compared(row: &Row) -> Comparison {
 }
 
 fn mean(values: &[f64]) -> f64 {
-    Running::of(values.iter().copied()).mean()
+    RunningStats::of(values.iter().copied()).mean()
 }
 
 /// Gains of the tabu list, in percent, for an index and a number of poses: list by list.
@@ -125,7 +125,7 @@ fn above(rows: &[Row]) -> String {
 fn ceiling(rows: &[Row]) -> String {
     let scaled: Vec<f64> =
         rows.iter().filter(|r| r.index == "o3").map(|r| mean(&r.values) / (r.n as f64).sqrt()).collect();
-    let all = Running::of(scaled.iter().copied());
+    let all = RunningStats::of(scaled.iter().copied());
     format!(
         "O3 over the root of the number of poses is {:.4e} to {:.4e} in all six columns: it is set by the geometry and by \
          the units (a turn of all platform points about z is seen by angles alone), not by the choice of poses. O2 and O4 \
@@ -143,9 +143,9 @@ struct Efforts {
     exchange: Vec<f64>,
 }
 
-fn efforts(lab: &Lab<'_>, place: &Place) -> Result<Efforts, ReproduceError> {
+fn efforts(context: &ReproductionContext<'_>, place: &Place) -> Result<Efforts, ReproduceError> {
     let values = |how: How| -> Result<Vec<Chosen>, ReproduceError> {
-        choose(lab, place, "restarts", &Wanted::over(lab, how, paper::POSES, lab.settings.lists))
+        choose(context, place, "restarts", &Wanted::over(context, how, paper::POSES, context.settings.lists))
     };
     let of = |chosen: &[Chosen]| chosen.iter().map(|c| c.value).collect::<Vec<f64>>();
     let restarts = values(How::Restarts)?;

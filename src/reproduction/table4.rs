@@ -9,9 +9,9 @@ use super::exhibit::Listing;
 use super::paper::{CONDITIONS, Condition};
 use super::ranking::Ranking;
 use super::sets::{How, Place, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// Half-ranges of a smaller workspace, mm and degrees.
 const SMALLER: (f64, f64) = (20.0, 10.0);
@@ -20,9 +20,9 @@ const PARAMETER_SETS: u64 = 100;
 /// Matrices of noise for which that is repeated.
 const NOISE_MATRICES: u64 = 3;
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_4()?;
-    let all = outcomes(lab, &place)?;
+    let all = outcomes(context, &place)?;
     let mut comparisons = Vec::new();
     let mut table = Listing::new(
         "table4",
@@ -50,7 +50,7 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
             let draws: Vec<f64> = o.draws[k].iter().flatten().flatten().copied().collect();
             let printed = condition.integrated[k];
             let below = draws.iter().filter(|d| **d < printed).count() as f64 / draws.len().max(1) as f64;
-            let sd = Running::of(draws.iter().copied()).sd();
+            let sd = RunningStats::of(draws.iter().copied()).sd();
             let numbers =
                 [printed, ours.mean, ours.error, ours.low, ours.high, sd, 100.0 * below, weighted.mean, weighted.error];
             table.row(&[condition.name, &condition.poses.to_string(), index], &numbers);
@@ -64,16 +64,16 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
         }
         for (name, lists) in [("improved", &o.improved), ("random", &o.random)] {
             let ours = pooled(lists);
-            let sd = Running::of(lists.iter().flatten().flatten().copied()).sd();
+            let sd = RunningStats::of(lists.iter().flatten().flatten().copied()).sd();
             let nothing = f64::NAN;
             let numbers = [nothing, ours.mean, ours.error, ours.low, ours.high, sd, nothing, nothing, nothing];
             table.row(&[condition.name, &condition.poses.to_string(), name], &numbers);
         }
     }
-    comparisons.extend(smaller_workspace(lab)?);
+    comparisons.extend(smaller_workspace(context)?);
     let ranking = Ranking::of(&all);
     comparisons.push(ranking.comparison());
-    let (as_printed, took) = paper_once(lab, &place)?;
+    let (as_printed, took) = paper_once(context, &place)?;
     let mut findings = ranking.findings();
     findings.push(improvement(&all));
     findings.push(as_printed.finding(&all));
@@ -84,19 +84,19 @@ pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
 }
 
 /// O1 in a smaller workspace, which fits Table 4 better.
-fn smaller_workspace(lab: &Lab<'_>) -> Result<Vec<Comparison>, ReproduceError> {
+fn smaller_workspace(context: &ReproductionContext<'_>) -> Result<Vec<Comparison>, ReproduceError> {
     let place = Place::new("Table 2", paper::table_2()?, SMALLER);
-    let bench = Bench::new(lab, &place);
+    let bench = Bench::new(context, &place);
     let how = How::Tabu("o1");
     let mut studies = Vec::new();
     for (number, condition) in CONDITIONS.iter().enumerate() {
-        let chosen = choose(lab, &place, "table 4", &bench.wanted(number, how, lab.settings.lists))?;
+        let chosen = choose(context, &place, "table 4", &bench.wanted(number, how, context.settings.lists))?;
         for (list, set) in (0..).zip(&chosen) {
             let name = format!("{how:?} {}, list {list}", condition.name);
-            studies.push(bench.study(number, list, name, set, Fit::Paper, lab.settings.draws));
+            studies.push(bench.study(number, list, name, set, Fit::Paper, context.settings.draws));
         }
     }
-    let draws = calibrate(lab, "table 4", &studies)?;
+    let draws = calibrate(context, "table 4", &studies)?;
     let of_condition = |(condition, draws): (&Condition, &[Draws])| {
         let lists: Vec<Vec<Option<f64>>> = draws.iter().map(Draws::by_number).collect();
         let quantity =
@@ -105,7 +105,7 @@ fn smaller_workspace(lab: &Lab<'_>) -> Result<Vec<Comparison>, ReproduceError> {
             .not_judged()
             .because("another workspace that section 4 may have had")
     };
-    Ok(CONDITIONS.iter().zip(draws.chunks(lab.settings.lists as usize)).map(of_condition).collect())
+    Ok(CONDITIONS.iter().zip(draws.chunks(context.settings.lists as usize)).map(of_condition).collect())
 }
 
 fn improvement(all: &[Outcome]) -> String {
@@ -126,12 +126,12 @@ struct AsPrinted {
     within: f64,
 }
 
-fn paper_once(lab: &Lab<'_>, place: &Place) -> Result<(AsPrinted, String), ReproduceError> {
-    let bench = Bench::new(lab, place);
+fn paper_once(context: &ReproductionContext<'_>, place: &Place) -> Result<(AsPrinted, String), ReproduceError> {
+    let bench = Bench::new(context, place);
     let mut studies = Vec::new();
     for number in 0..CONDITIONS.len() {
         for index in INDICES {
-            let chosen = choose(lab, place, "table 4", &bench.wanted(number, How::Tabu(index), 1))?;
+            let chosen = choose(context, place, "table 4", &bench.wanted(number, How::Tabu(index), 1))?;
             for matrix in 0..NOISE_MATRICES {
                 let study = bench.study(number, 0, String::new(), &chosen[0], Fit::Paper, PARAMETER_SETS);
                 studies.push((number, index, matrix, Study { truth: Truth::UnderOneNoise(matrix), ..study }));
@@ -151,7 +151,7 @@ fn paper_once(lab: &Lab<'_>, place: &Place) -> Result<(AsPrinted, String), Repro
             seconds += start.elapsed().as_secs_f64();
             calibrations += draws.draws.len();
         }
-        let all = Running::of(draws.integrated());
+        let all = RunningStats::of(draws.integrated());
         within = within.max(all.sd() / all.mean());
         listing.row(&[CONDITIONS[*number].name, index, &matrix.to_string()], &[all.mean(), all.sd()]);
     }
@@ -166,7 +166,7 @@ impl AsPrinted {
     fn finding(&self, all: &[Outcome]) -> String {
         let relative = |o: &Outcome| -> Vec<f64> {
             let of_cell = |lists: &Vec<Vec<Option<f64>>>| {
-                let all = Running::of(lists.iter().flatten().flatten().copied());
+                let all = RunningStats::of(lists.iter().flatten().flatten().copied());
                 all.sd() / all.mean()
             };
             o.draws.iter().map(of_cell).collect()

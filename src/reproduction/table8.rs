@@ -1,13 +1,13 @@
 //! Table 8: errors at 150 targets after a calibration with chosen and with random poses.
 
 use super::calibrations::{Draw, Draws, Fit, Study, Truth, calibrate};
+use super::context::Purpose;
 use super::exhibit::Listing;
-use super::lab::Purpose;
 use super::sets::{How, Place, Wanted, choose};
-use super::{Comparison, Exhibit, Lab, ReproduceError, Spread, paper};
+use super::{Comparison, Exhibit, ReproduceError, ReproductionContext, Spread, paper};
 use crate::pose::Pose;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::simulation::Running;
+use crate::simulation::RunningStats;
 
 /// The four columns, and their units.
 const COLUMNS: [(&str, &str); 4] =
@@ -38,9 +38,9 @@ impl Way {
     }
 }
 
-fn ways(lab: &Lab<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
+fn ways(context: &ReproductionContext<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
     let half_space = Place::new("Table 5", paper::table_5()?, (0.5 * paper::WORKSPACE.0, 0.5 * paper::WORKSPACE.1));
-    let seed = lab.seed(Purpose::Targets, 0);
+    let seed = context.seed(Purpose::Targets, 0);
     let targets: [Vec<Pose>; 2] = [place.random(seed, paper::TARGETS.1), half_space.random(seed, paper::TARGETS.1)];
     let way = |name, how, fit, half| Way { name, how, fit, half, draws: Vec::new() };
     let tabu = How::Tabu("o1");
@@ -54,9 +54,9 @@ fn ways(lab: &Lab<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
     ];
     let mut studies = Vec::new();
     for way in &ways {
-        let lists = way.how.lists(lab);
-        let wanted = Wanted::over(lab, way.how, paper::POSES, lists);
-        for (list, set) in choose(lab, place, "table 8", &wanted)?.iter().enumerate() {
+        let lists = way.how.lists(context);
+        let wanted = Wanted::over(context, way.how, paper::POSES, lists);
+        for (list, set) in choose(context, place, "table 8", &wanted)?.iter().enumerate() {
             studies.push(Study {
                 place,
                 set: format!("{:?} 20, list {list}", way.how),
@@ -66,21 +66,21 @@ fn ways(lab: &Lab<'_>, place: &Place) -> Result<Vec<Way>, ReproduceError> {
                 noise: paper::noise(),
                 truth: Truth::Table6,
                 fit: way.fit,
-                draws: (lab.settings.draws / lists).max(5),
-                seed: lab.seed(Purpose::Draws, 0x8_0000 | list as u64),
+                draws: (context.settings.draws / lists).max(5),
+                seed: context.seed(Purpose::Draws, 0x8_0000 | list as u64),
             });
         }
     }
-    let mut results = calibrate(lab, "table 8", &studies)?.into_iter();
+    let mut results = calibrate(context, "table 8", &studies)?.into_iter();
     for way in &mut ways {
-        way.draws = results.by_ref().take(way.how.lists(lab) as usize).collect();
+        way.draws = results.by_ref().take(way.how.lists(context) as usize).collect();
     }
     Ok(ways)
 }
 
-pub(super) fn exhibit(lab: &Lab<'_>) -> Result<Exhibit, ReproduceError> {
+pub(super) fn exhibit(context: &ReproductionContext<'_>) -> Result<Exhibit, ReproduceError> {
     let place = Place::of_section_5()?;
-    let ways = ways(lab, &place)?;
+    let ways = ways(context, &place)?;
     let comment =
         "Table 8: errors at 150 targets, mean and central 95 % of single calibrations; where the paper lies among them";
     let header = ["calibration", "quantity", "unit", "paper", "ours", "low", "median", "high", "percentile"];
@@ -126,7 +126,7 @@ fn reductions(ways: &[Way]) -> Vec<Comparison> {
     for (k, (quantity, _)) in COLUMNS.iter().enumerate() {
         let printed = 100.0 * (1.0 - chosen[k] / random[k]);
         let by = Spread::of_sets(&ways[1].sets(k)).mean;
-        let of_list = |draws: &Vec<f64>| 100.0 * (1.0 - Running::of(draws.iter().copied()).mean() / by);
+        let of_list = |draws: &Vec<f64>| 100.0 * (1.0 - RunningStats::of(draws.iter().copied()).mean() / by);
         let reduction = Spread::of_mean(&ways[0].sets(k).iter().map(of_list).collect::<Vec<f64>>());
         let row = Comparison::new(format!("reduction, {quantity}"), "%", printed, reduction).not_judged();
         rows.push(match stated[k] {
@@ -140,11 +140,11 @@ fn reductions(ways: &[Way]) -> Vec<Comparison> {
 }
 
 fn findings(ways: &[Way]) -> Vec<String> {
-    let mean = |way: &Way, k: usize| Running::of(way.column(k)).mean();
-    let integrated = |way: &Way| Running::of(way.integrated()).mean();
+    let mean = |way: &Way, k: usize| RunningStats::of(way.column(k)).mean();
+    let integrated = |way: &Way| RunningStats::of(way.integrated()).mean();
     let ratio = |k: usize| mean(&ways[0], k) / mean(&ways[1], k);
     let parameters = |way: &Way| {
-        let squares = Running::of(way.draws.iter().flat_map(|d| d.each(|d: &Draw| d.parameters.powi(2))));
+        let squares = RunningStats::of(way.draws.iter().flat_map(|d| d.each(|d: &Draw| d.parameters.powi(2))));
         squares.mean().sqrt()
     };
     let failed: usize = ways.iter().flat_map(|w| &w.draws).map(Draws::failed).sum();

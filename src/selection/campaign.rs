@@ -7,7 +7,7 @@ use crate::conditions::Conditions;
 use crate::measurement::Noise;
 use crate::mechanism::{
     KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec, Workspace, characteristic_length,
-    motion_of_point, settled,
+    consistent, motion_of_point,
 };
 use crate::observability::{Block, Scaling};
 use crate::pose::{Pose, PoseConvention};
@@ -114,12 +114,12 @@ impl<'a> Campaign<'a> {
 
     /// The pose that the mechanism takes when its controlled coordinates are those of `pose`; `pose` itself if there is
     /// none.
-    pub fn settled(&self, pose: &Pose) -> Pose {
+    pub fn consistent(&self, pose: &Pose) -> Pose {
         if self.mechanism.controlled() == [true; 6] {
             return *pose;
         }
         let (m, at) = (self.mechanism, Conditions::unknown());
-        settled(m, m.values(), pose, &at).map_or(*pose, |(taken, _)| taken)
+        consistent(m, m.values(), pose, &at).map_or(*pose, |(taken, _)| taken)
     }
 
     /// Whether the platform can be measured at a pose: joints in their strokes, reached from home without passing a

@@ -122,7 +122,7 @@ fn keep(campaign: &Campaign<'_>, found: Vec<Pose>, poses: &mut Vec<Pose>, reject
     let judged: Vec<(Pose, Result<(), Infeasible>)> = found
         .into_par_iter()
         .map(|pose| {
-            let pose = campaign.settled(&pose);
+            let pose = campaign.consistent(&pose);
             (pose, campaign.feasible(&pose).map(|_| ()))
         })
         .collect();
@@ -154,7 +154,7 @@ fn grid(campaign: &Campaign<'_>) -> Vec<[f64; 6]> {
 }
 
 fn pulled(campaign: &Campaign<'_>, points: &[[f64; 6]], rejected: &mut Rejected) -> Vec<Pose> {
-    let place = |u: &[f64; 6], factor: f64| campaign.settled(&campaign.workspace.pose(&u.map(|v| v * factor)));
+    let place = |u: &[f64; 6], factor: f64| campaign.consistent(&campaign.workspace.pose(&u.map(|v| v * factor)));
     let found: Vec<Result<Pose, Infeasible>> = points
         .par_iter()
         .map(|u| {

@@ -44,7 +44,7 @@ impl<'a> Forecaster<'a> {
         let drawn: Vec<Pose>;
         let targets = if targets.is_empty() {
             let mut rng = ChaCha8Rng::seed_from_u64(0);
-            drawn = (0..TARGETS).map(|_| campaign.settled(&campaign.workspace.random(&mut rng))).collect();
+            drawn = (0..TARGETS).map(|_| campaign.consistent(&campaign.workspace.random(&mut rng))).collect();
             &drawn
         } else {
             targets

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::job::{Plan, Report, select_among};
+use super::job::{ChosenSet, SelectionTask, select_among};
 use super::{Candidates, PoseSelector, SelectionError, Step};
 use crate::units::{show_angle, show_length};
 
@@ -18,7 +18,7 @@ pub struct Requirement {
 
 impl Requirement {
     /// True if a report is predicted to meet it.
-    pub fn met_by(&self, report: &Report) -> bool {
+    pub fn met_by(&self, report: &ChosenSet) -> bool {
         let Some(forecast) = &report.forecast else { return false };
         self.position.is_none_or(|p| forecast.error.position_rms <= p)
             && self.rotation.is_none_or(|r| forecast.error.rotation_rms <= r)
@@ -33,18 +33,18 @@ pub const MOST_POSES: usize = 200;
 /// # Errors
 /// [`SelectionError`] of the largest number.
 pub fn how_many(
-    plan: &Plan<'_>,
+    plan: &SelectionTask<'_>,
     selector: &dyn PoseSelector,
     candidates: &Candidates,
     numbers: impl IntoIterator<Item = usize>,
     with_bound: bool,
-) -> Result<Vec<Report>, SelectionError> {
+) -> Result<Vec<ChosenSet>, SelectionError> {
     let numbers: Vec<usize> = numbers.into_iter().collect();
     let total = numbers.len();
     let done = AtomicUsize::new(0);
     let silent = |_: Step| {};
-    let quiet = Plan { watch: &silent, ..*plan };
-    let found: Vec<Result<Report, SelectionError>> = numbers
+    let quiet = SelectionTask { watch: &silent, ..*plan };
+    let found: Vec<Result<ChosenSet, SelectionError>> = numbers
         .into_par_iter()
         .map(|n| {
             let report = select_among(&quiet, selector, candidates, n, with_bound);
@@ -76,7 +76,7 @@ pub fn how_many(
 /// # Errors
 /// [`SelectionError::Requirement`] if 200 poses, or all candidates, do not.
 pub fn smallest_number(
-    plan: &Plan<'_>,
+    plan: &SelectionTask<'_>,
     selector: &dyn PoseSelector,
     candidates: &Candidates,
     requirement: &Requirement,
@@ -102,7 +102,7 @@ pub fn smallest_number(
     Ok(most)
 }
 
-fn refused(last: &Report, requirement: &Requirement) -> SelectionError {
+fn refused(last: &ChosenSet, requirement: &Requirement) -> SelectionError {
     let error = last.forecast.as_ref().map(|f| f.error);
     let (position, rotation) = error.map_or((f64::NAN, f64::NAN), |e| (e.position_rms, e.rotation_rms));
     let ratio = |found: f64, wanted: Option<f64>| wanted.map_or(0.0, |w| found / w);

@@ -10,7 +10,7 @@ use crate::pose::Pose;
 
 /// The index to optimise.
 #[derive(Clone, Copy, Debug)]
-pub enum Aim<'a> {
+pub enum Objective<'a> {
     /// This one.
     Index(&'a dyn ObservabilityIndex),
     /// The predicted error at the targets of this forecaster.
@@ -19,13 +19,13 @@ pub enum Aim<'a> {
 
 /// A campaign to plan.
 #[derive(Clone, Copy)]
-pub struct Plan<'a> {
+pub struct SelectionTask<'a> {
     /// Mechanism, workspace and scaling.
     pub campaign: &'a Campaign<'a>,
     /// Predicts what the choice will be worth; `None` if noise or tolerances are not known.
     pub forecaster: Option<&'a Forecaster<'a>>,
     /// What is optimised.
-    pub aim: Aim<'a>,
+    pub aim: Objective<'a>,
     /// Poses that are measured anyway.
     pub given: &'a [Pose],
     /// Seed of everything random.
@@ -36,7 +36,7 @@ pub struct Plan<'a> {
 
 /// What was chosen, and how good it is.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct ChosenSet {
     /// All poses: the given ones, then the chosen ones.
     pub poses: Vec<Pose>,
     /// Name of the index.
@@ -64,11 +64,11 @@ pub struct Report {
 /// # Errors
 /// [`SelectionError`].
 pub fn select(
-    plan: &Plan<'_>,
+    plan: &SelectionTask<'_>,
     selector: &dyn PoseSelector,
     sources: &Sources,
     n: usize,
-) -> Result<Report, SelectionError> {
+) -> Result<ChosenSet, SelectionError> {
     let candidates = Candidates::collect(plan.campaign, sources)?;
     select_among(plan, selector, &candidates, n, true)
 }
@@ -78,12 +78,12 @@ pub fn select(
 /// # Errors
 /// [`SelectionError`].
 pub fn select_among(
-    plan: &Plan<'_>,
+    plan: &SelectionTask<'_>,
     selector: &dyn PoseSelector,
     candidates: &Candidates,
     n: usize,
     with_bound: bool,
-) -> Result<Report, SelectionError> {
+) -> Result<ChosenSet, SelectionError> {
     if n <= plan.given.len() {
         return Err(SelectionError::NothingToSelect { wanted: n, given: plan.given.len() });
     }
@@ -91,8 +91,8 @@ pub fn select_among(
     let given = given_rows(plan, visible)?;
     let error;
     let index = match plan.aim {
-        Aim::Index(index) => index,
-        Aim::PoseError(forecaster) => {
+        Objective::Index(index) => index,
+        Objective::PoseError(forecaster) => {
             error = pose_error(plan, forecaster, candidates, &given, n);
             &error
         }
@@ -124,7 +124,7 @@ pub fn select_among(
         Goal::Smallest => b / value,
     });
     let poses: Vec<Pose> = plan.given.iter().chain(&choice.poses).copied().collect();
-    Ok(Report {
+    Ok(ChosenSet {
         index: index.name().into(),
         value,
         bound,
@@ -138,7 +138,7 @@ pub fn select_among(
     })
 }
 
-fn given_rows(plan: &Plan<'_>, visible: &DMatrix<f64>) -> Result<Vec<DMatrix<f64>>, SelectionError> {
+fn given_rows(plan: &SelectionTask<'_>, visible: &DMatrix<f64>) -> Result<Vec<DMatrix<f64>>, SelectionError> {
     let rows = |(row, pose): (usize, &Pose)| {
         let block = plan.campaign.block(pose).map_err(|cause| SelectionError::Given { row, cause })?;
         let silent = || DMatrix::zeros(6, visible.nrows());
@@ -149,7 +149,7 @@ fn given_rows(plan: &Plan<'_>, visible: &DMatrix<f64>) -> Result<Vec<DMatrix<f64
 
 /// The predicted error as index, with the tolerances as prior if good poses alone do not decide every direction.
 fn pose_error(
-    plan: &Plan<'_>,
+    plan: &SelectionTask<'_>,
     forecaster: &Forecaster<'_>,
     candidates: &Candidates,
     given: &[DMatrix<f64>],

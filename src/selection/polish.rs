@@ -45,7 +45,7 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
                         if next == u || others.iter().any(|other| distance(other, &next) < APART) {
                             continue;
                         }
-                        let pose = problem.campaign.settled(&workspace.pose(&next));
+                        let pose = problem.campaign.consistent(&workspace.pose(&next));
                         let Ok(block) = problem.campaign.feasible(&pose) else { continue };
                         if let Some(score) = rest.score(problem, &block).filter(|s| *s > best + 1e-12 * best.abs()) {
                             (best, u, poses[k]) = (score, next, pose);

@@ -5,12 +5,12 @@ use crate::mechanism::{Mechanism, Workspace};
 use crate::observability::{O1, Scaling};
 use crate::pose::Pose;
 use crate::selection::forecast::{Forecast, Forecaster};
-use crate::selection::job::{Aim, Plan, select_among};
+use crate::selection::job::{Objective, SelectionTask, select_among};
 use crate::selection::{Campaign, Candidates, Exchange, SelectionError, Sources};
 
 /// What measuring full poses at well chosen places would tell.
 #[derive(Clone, Debug)]
-pub struct Prospect {
+pub struct Preview {
     /// The poses.
     pub poses: Vec<Pose>,
     /// Certified efficiency of the choice.
@@ -28,22 +28,22 @@ const NO_TOLERANCE: f64 = 1e-3;
 ///
 /// # Errors
 /// [`SelectionError`] if no pose can be measured.
-pub fn prospect(
+pub fn preview(
     mechanism: &dyn Mechanism,
     workspace: &Workspace,
     noise: &Noise,
     n: usize,
     seed: u64,
-) -> Result<Prospect, SelectionError> {
+) -> Result<Preview, SelectionError> {
     let scale: Vec<f64> = mechanism.parameters().iter().map(|s| s.tolerance.unwrap_or(NO_TOLERANCE)).collect();
     let campaign = Campaign::with_columns(mechanism, workspace, Some(noise), Scaling::Whitened, scale.clone())?;
     let sources = Sources { random: 200, corners_and_grid: true, seed, ..Sources::default() };
     let candidates = Candidates::collect(&campaign, &sources)?;
     let forecaster = Forecaster::new(campaign.clone(), &[])?;
-    let plan = Plan {
+    let plan = SelectionTask {
         campaign: &campaign,
         forecaster: Some(&forecaster),
-        aim: Aim::Index(&O1),
+        aim: Objective::Index(&O1),
         given: &[],
         seed,
         watch: &|_| {},
@@ -51,5 +51,5 @@ pub fn prospect(
     let selector = Exchange { starts: 4, rounds: 0, polish: false };
     let report = select_among(&plan, &selector, &candidates, n, true)?;
     let forecast = report.forecast.ok_or(SelectionError::NoNoise)?;
-    Ok(Prospect { poses: report.poses, efficiency: report.efficiency, forecast, scale })
+    Ok(Preview { poses: report.poses, efficiency: report.efficiency, forecast, scale })
 }

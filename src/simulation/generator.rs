@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::conditions::Conditions;
-use crate::effect::{ActiveEffect, Setting, seen};
+use crate::effect::{ActiveEffect, EffectContext, seen};
 use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
@@ -78,7 +78,7 @@ pub struct Command {
 #[derive(Clone, Copy, Debug)]
 pub struct Instrument<'a> {
     /// The nominal mechanism and what stands around it.
-    pub setting: &'a Setting<'a>,
+    pub context: &'a EffectContext<'a>,
     /// The effects; those that act on the mechanism are left out.
     pub effects: &'a [ActiveEffect],
 }
@@ -113,7 +113,7 @@ pub fn simulate_run<R: Rng + ?Sized>(
             // reached.
             joints = truth.inverse(truth.values(), &went, at).map_err(|e| (k, e))?;
         }
-        let seen = instrument.map_or(went, |i| seen(i.effects, i.setting, &joints, &went, at));
+        let seen = instrument.map_or(went, |i| seen(i.effects, i.context, &joints, &went, at));
         let mut measured = convention.coordinates(&seen);
         for (c, value) in measured.iter_mut().enumerate() {
             *value += normal(rng, if c < 3 { noise.position } else { noise.rotation });

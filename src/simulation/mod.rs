@@ -9,7 +9,7 @@
 //! | [`simulate`], [`simulate_run`] | one measured campaign of a mechanism with errors |
 //! | [`Trial`] | a whole calibration: simulate, identify, and see where the calibrated model leads |
 //! | [`monte_carlo`], [`summarise`] | repeat anything with a random stream of its own for each draw |
-//! | [`Running`] | mean, spread and extremes of numbers that come one by one |
+//! | [`RunningStats`] | mean, spread and extremes of numbers that come one by one |
 //! | [`Journal`] | work in units that survive a stop: what was done is read and not done again |
 //!
 //! Randomness comes in as a seeded generator. A draw has the stream of its number, and blocks of draws are joined in
@@ -26,5 +26,5 @@ pub use generator::{
 };
 pub use journal::{Journal, JournalError};
 pub use monte_carlo::{monte_carlo, stream, summarise};
-pub use running_stats::Running;
+pub use running_stats::RunningStats;
 pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

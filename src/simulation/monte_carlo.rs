@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::Running;
+use super::RunningStats;
 
 /// Draws that are summed up one after the other, whatever the number of threads.
 const BLOCK: u64 = 32;
@@ -27,9 +27,9 @@ pub fn summarise<const N: usize>(
     draws: u64,
     seed: u64,
     draw: impl Fn(u64, &mut ChaCha8Rng) -> Option<[f64; N]> + Sync,
-) -> ([Running; N], u64) {
+) -> ([RunningStats; N], u64) {
     let block = |b: u64| {
-        let mut of_block = [Running::default(); N];
+        let mut of_block = [RunningStats::default(); N];
         let mut failed = 0;
         for k in b * BLOCK..draws.min((b + 1) * BLOCK) {
             match draw(k, &mut stream(seed, k)) {
@@ -39,8 +39,8 @@ pub fn summarise<const N: usize>(
         }
         (of_block, failed)
     };
-    let blocks: Vec<([Running; N], u64)> = (0..draws.div_ceil(BLOCK)).into_par_iter().map(block).collect();
-    blocks.iter().fold(([Running::default(); N], 0), |(sum, failed), (next, more)| {
+    let blocks: Vec<([RunningStats; N], u64)> = (0..draws.div_ceil(BLOCK)).into_par_iter().map(block).collect();
+    blocks.iter().fold(([RunningStats::default(); N], 0), |(sum, failed), (next, more)| {
         (std::array::from_fn(|k| sum[k].joined(&next[k])), failed + more)
     })
 }

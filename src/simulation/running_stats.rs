@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The recurrences are those of Welford (Technometrics 4, 1962, 419) for one number and of Chan, Golub and LeVeque (The
 /// American Statistician 37, 1983, 242) for two sets; neither subtracts large sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Running {
+pub struct RunningStats {
     count: u64,
     mean: f64,
     /// Sum of squared deviations from the mean.
@@ -16,7 +16,7 @@ pub struct Running {
     largest: f64,
 }
 
-impl Running {
+impl RunningStats {
     /// Statistics of these numbers.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut all = Self::default();
@@ -90,10 +90,10 @@ mod tests {
     #[test]
     fn sets_joined_are_one_set() {
         let values: Vec<f64> = (0..1000).map(|k| 1e6 + f64::from(k * 7919 % 1009)).collect();
-        let whole = Running::of(values.iter().copied());
+        let whole = RunningStats::of(values.iter().copied());
         for cut in [0, 1, 13, 999, 1000] {
             let (a, b) = values.split_at(cut);
-            let joined = Running::of(a.iter().copied()).joined(&Running::of(b.iter().copied()));
+            let joined = RunningStats::of(a.iter().copied()).joined(&RunningStats::of(b.iter().copied()));
             assert_eq!((joined.count(), joined.least(), joined.largest()), (1000, whole.least(), whole.largest()));
             assert!((joined.mean() - whole.mean()).abs() < 1e-9, "{cut}");
             assert!((joined.sd() / whole.sd() - 1.0).abs() < 1e-12, "{cut}");
@@ -106,8 +106,8 @@ mod tests {
 
     #[test]
     fn nothing_and_one_number_have_no_spread() {
-        assert_eq!(Running::default().sd(), 0.0);
-        let one = Running::of([3.0]);
+        assert_eq!(RunningStats::default().sd(), 0.0);
+        let one = RunningStats::of([3.0]);
         assert_eq!((one.mean(), one.sd(), one.standard_error()), (3.0, 0.0, 0.0));
     }
 }

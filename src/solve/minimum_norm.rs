@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 const UNSEEN: f64 = 1e-9;
 
 /// The shortest `x` with the least `|a x - b|`; not a number where `a` or `b` is none.
-pub(crate) fn shortest_solution(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn minimum_norm(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     if a.is_empty() {
         return DVector::zeros(a.ncols());
     }
@@ -26,9 +26,9 @@ mod tests {
 
     #[test]
     fn directions_that_are_not_seen_stay_at_zero() {
-        let x = shortest_solution(dmatrix![1.0, 0.0, 1.0; 0.0, 0.0, 0.0], &dvector![2.0, 5.0]);
+        let x = minimum_norm(dmatrix![1.0, 0.0, 1.0; 0.0, 0.0, 0.0], &dvector![2.0, 5.0]);
         assert!((x - dvector![1.0, 0.0, 1.0]).amax() < 1e-12);
-        assert!(shortest_solution(DMatrix::zeros(0, 3), &DVector::zeros(0)) == DVector::zeros(3));
-        assert!(shortest_solution(dmatrix![f64::NAN], &dvector![1.0])[0].is_nan());
+        assert!(minimum_norm(DMatrix::zeros(0, 3), &DVector::zeros(0)) == DVector::zeros(3));
+        assert!(minimum_norm(dmatrix![f64::NAN], &dvector![1.0])[0].is_nan());
     }
 }

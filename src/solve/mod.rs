@@ -36,5 +36,5 @@ pub use least_squares::{
 };
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
-pub(crate) use minimum_norm::shortest_solution;
+pub(crate) use minimum_norm::minimum_norm;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};

@@ -14,7 +14,7 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 use devtools::Browser;
-use paracal::reproduction::{self, Exhibit, Lab, Settings, reproduce};
+use paracal::reproduction::{self, Exhibit, ReproductionContext, Settings, reproduce};
 use paracal::simulation::Journal;
 use view::{VIEWS, View};
 
@@ -65,9 +65,9 @@ fn make(name: &str, calls: &[&str], out: &Path) -> PathBuf {
 fn paper(out: &Path) -> PathBuf {
     let settings = Settings { draws: 40, candidates: 200, lists: 3, seed: 0 };
     let journal = Journal::in_memory();
-    let lab = Lab::new(settings, &journal, &|_| {}).unwrap();
+    let context = ReproductionContext::new(settings, &journal, &|_| {}).unwrap();
     let names = ["figure6", "figure7", "figure8", "table8", "figure9"];
-    let exhibits: Vec<Exhibit> = names.iter().map(|name| reproduce(name, &lab).unwrap()).collect();
+    let exhibits: Vec<Exhibit> = names.iter().map(|name| reproduce(name, &context).unwrap()).collect();
     let path = out.join("exhibits.html");
     std::fs::write(&path, reproduction::page(&exhibits, &settings)).unwrap();
     path

@@ -3,23 +3,23 @@
 use nalgebra::DVector;
 
 use crate::diagnosis::answer::result::{AddedVariable, JointResiduals};
-use crate::diagnosis::linear::hypotheses::{Group, Subject};
-use crate::diagnosis::linear::model::{Candidate, Model, columns_of};
-use crate::diagnosis::search::iteration::Explored;
-use crate::solve::shortest_solution;
+use crate::diagnosis::linear::hypotheses::{EffectColumns, Hypotheses};
+use crate::diagnosis::linear::model::{Hypothesis, Model, columns_of};
+use crate::diagnosis::search::iteration::SearchState;
+use crate::solve::minimum_norm;
 
 /// What is left of each sample in the joints, without causes and with those of `judged`.
 pub(crate) fn joint_residuals(
-    subject: &Subject<'_>,
-    explored: &Explored,
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
     without: &Model<'_>,
     judged: &Model<'_>,
 ) -> Vec<JointResiduals> {
-    let full = &explored.full;
+    let full = &state.full;
     let joints = &full.joints;
     let of = |k: usize| {
         let (first, n) = full.rows[k];
-        let left_out = explored.left_out.contains(&k);
+        let left_out = state.left_out.contains(&k);
         let columns = full.a.view((first, joints.start), (n, joints.len())).into_owned();
         let in_joints = |model: &Model<'_>| {
             let residual = match left_out {
@@ -27,7 +27,7 @@ pub(crate) fn joint_residuals(
                 false => model.residual.rows(first, n).into_owned(),
             };
             // The residual is predicted minus measured.
-            shortest_solution(columns.clone(), &-residual).iter().copied().collect()
+            minimum_norm(columns.clone(), &-residual).iter().copied().collect()
         };
         JointResiduals {
             row: subject.data.sample(k).row,
@@ -42,16 +42,16 @@ pub(crate) fn joint_residuals(
 /// What is left without a cause over the share of the cause that nothing else imitates, row by row of the readings, both
 /// over `sigma`, the noise of a row. `without` is the model of everything else, `values` are those of the cause.
 pub(crate) fn added_variable(
-    explored: &Explored,
-    groups: &[Group],
+    state: &SearchState,
+    groups: &[EffectColumns],
     without: &Model<'_>,
-    name: &Candidate,
+    name: &Hypothesis,
     values: &[f64],
     sigma: f64,
 ) -> AddedVariable {
-    let columns = without.projected(&columns_of(&explored.table, groups, name));
+    let columns = without.projected(&columns_of(&state.table, groups, name));
     let share = columns * DVector::from_column_slice(values);
     let point = |row: usize| [share[row] / sigma, -without.residual[row] / sigma];
-    let rows = explored.table.kept_rows(&explored.left_out).flat_map(|(first, n)| first..first + n);
+    let rows = state.table.kept_rows(&state.left_out).flat_map(|(first, n)| first..first + n);
     AddedVariable { points: rows.map(point).collect() }
 }

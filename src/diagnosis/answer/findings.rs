@@ -6,11 +6,11 @@ use crate::diagnosis::answer::limits::{lambda, limit};
 use crate::diagnosis::answer::result::{
     Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
 };
-use crate::diagnosis::linear::hypotheses::Subject;
-use crate::diagnosis::linear::model::{Candidate, Model};
+use crate::diagnosis::linear::hypotheses::Hypotheses;
+use crate::diagnosis::linear::model::{Hypothesis, Model};
 use crate::diagnosis::planning::settle::TOLD_APART;
 use crate::diagnosis::search::covariates::covariates;
-use crate::diagnosis::search::iteration::Explored;
+use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::remainder::{remainder, rival, worth_of};
 use crate::diagnosis::search::stepwise::{Score, TIED, related, scores, separability};
 use crate::diagnosis::{DiagnoseError, Question};
@@ -32,21 +32,21 @@ const PLAUSIBLE: f64 = 10.0;
 /// Puts the answer together.
 pub(crate) fn findings(
     question: &Question<'_>,
-    subject: &Subject<'_>,
-    explored: &Explored,
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
     mut not_testable: Vec<NotTestable>,
     registration: &Registration,
     noise_varies: Option<NoiseVaries>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let model = explored.model(subject, explored.names.clone())?;
-    let without = explored.model(subject, Vec::new())?;
+    let model = state.model(subject, state.names.clone())?;
+    let without = state.model(subject, Vec::new())?;
     let known = covariates(subject.data);
-    let mut causes = causes(subject, explored, &model)?;
-    let mut unknown = remainder(&model, &known).filter(|u| !is_rounding(explored, &without, &model, u.leg));
-    let mut effects = explored.point.effects.clone();
+    let mut causes = causes(subject, state, &model)?;
+    let mut unknown = remainder(&model, &known).filter(|u| !is_rounding(state, &without, &model, u.leg));
+    let mut effects = state.point.effects.clone();
     let mut withdrawn = false;
-    if !explored.names.is_empty() {
-        let worth = worth_of(&without, &subject.groups, &explored.names) - price_of_places(subject, &explored.names);
+    if !state.names.is_empty() {
+        let worth = worth_of(&without, &subject.groups, &state.names) - price_of_places(subject, &state.names);
         if let Some(found) = rival(&without, &known, worth, TIED) {
             let names = causes.iter().map(|c| c.effect.clone()).collect();
             unknown = Some(Unknown { withdrawn: names, ..found });
@@ -55,21 +55,21 @@ pub(crate) fn findings(
             withdrawn = true;
         }
     }
-    if unknown.is_none() && patchwork(subject, &explored.names) {
+    if unknown.is_none() && patchwork(subject, &state.names) {
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
             covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
             ..Unknown::by("patchwork", causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
-    if subject.data.noise.known && is_hopeless(subject, explored, if withdrawn { &without } else { &model }) {
+    if subject.data.noise.known && is_hopeless(subject, state, if withdrawn { &without } else { &model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         effects.clear();
         withdrawn = true;
         unknown = Some(Unknown { withdrawn: names, ..Unknown::by("misfit", 0.0) });
     }
-    let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, explored.names.clone()) };
-    let kept = explored.kept();
+    let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, state.names.clone()) };
+    let kept = state.kept();
     let verdict = match (&unknown, causes.is_empty()) {
         (Some(_), _) => Verdict::Unknown,
         (None, true) => Verdict::Clean,
@@ -81,11 +81,11 @@ pub(crate) fn findings(
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept));
     }
-    let rows: Vec<usize> = explored.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
+    let rows: Vec<usize> = state.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
-    let values = explored.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect();
-    let own = explored.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect();
+    let values = state.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect();
+    let own = state.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect();
     let mut warnings = Vec::new();
     if registration.applied {
         warnings.push(
@@ -110,78 +110,78 @@ pub(crate) fn findings(
         unknown,
         misread: None,
         outlier_rows: rows,
-        residuals: joint_residuals(subject, explored, &without, judged),
+        residuals: joint_residuals(subject, state, &without, judged),
         noise_varies,
-        correlation: explored.correlation,
+        correlation: state.correlation,
         gain: gain(question, &without, judged, &kept),
         not_found,
         not_testable,
-        before: rms(&explored.table, &without.residual, &kept),
-        after: rms(&explored.table, &judged.residual, &kept),
+        before: rms(&state.table, &without.residual, &kept),
+        after: rms(&state.table, &judged.residual, &kept),
         noise_scale: judged.noise.variance().sqrt() * subject.kind_spreads.map_or(1.0, |[p, r]| (p * r).sqrt()),
         samples: subject.data.len(),
         joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
         values,
         own,
         effects,
-        surroundings: (*subject.surroundings).clone(),
+        environment: (*subject.environment).clone(),
         frames: registration.frames,
         warnings,
     })
 }
 
 /// True if what is left at a joint is less than the digits that any file has.
-fn is_rounding(explored: &Explored, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
-    let of = |m: &Model<'_>| explored.table.spreads_of(&m.residual, &explored.left_out);
+fn is_rounding(state: &SearchState, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
+    let of = |m: &Model<'_>| state.table.spreads_of(&m.residual, &state.left_out);
     joint.is_some_and(|k| of(model)[k] < ROUNDING * of(without)[k])
 }
 
 /// True if what is left is far above the stated noise.
-fn is_hopeless(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> bool {
-    let left = rms(&explored.table, &model.residual, &explored.kept());
+fn is_hopeless(subject: &Hypotheses<'_>, state: &SearchState, model: &Model<'_>) -> bool {
+    let left = rms(&state.table, &model.residual, &state.kept());
     let noise = &subject.data.noise;
     let above = |rms: Option<f64>, sigma: f64| rms.is_some_and(|v| v > HOPELESS * 3.0_f64.sqrt() * sigma);
     above(left.position, noise.position) || above(left.rotation, noise.rotation)
 }
 
 /// True if one effect that acts from a row on is named twice, or three names are about time.
-fn patchwork(subject: &Subject<'_>, names: &[Candidate]) -> bool {
-    let group = |name: &Candidate| &subject.groups[name.group];
-    let twice = |(k, name): (usize, &Candidate)| {
+fn patchwork(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> bool {
+    let group = |name: &Hypothesis| &subject.groups[name.group];
+    let twice = |(k, name): (usize, &Hypothesis)| {
         name.from.is_some() && names[..k].iter().any(|other| other.group == name.group)
     };
     let about_time =
-        |name: &&Candidate| group(name).effect.covariates(&group(name).places[name.place].at).contains(&"time".into());
+        |name: &&Hypothesis| group(name).effect.covariates(&group(name).places[name.place].at).contains(&"time".into());
     names.iter().enumerate().any(twice) || names.iter().filter(about_time).count() >= 3
 }
 
 /// What it costs, in nats, to choose the places of names.
-fn price_of_places(subject: &Subject<'_>, names: &[Candidate]) -> f64 {
-    let places = |name: &Candidate| {
+fn price_of_places(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> f64 {
+    let places = |name: &Hypothesis| {
         let group = &subject.groups[name.group];
         group.places.len() * name.from.map_or(1, |_| subject.data.len())
     };
     names.iter().map(|name| (places(name) as f64).ln()).sum()
 }
 
-fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
+fn causes(subject: &Hypotheses<'_>, state: &SearchState, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
     let step = model.step();
-    let covariance = model.effect_covariance() * (model.noise.variance() * explored.fitting.inflation);
+    let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
     let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
-    let mut all = Vec::with_capacity(explored.names.len());
+    let mut all = Vec::with_capacity(state.names.len());
     let mut at = 0;
-    for (k, name) in explored.names.iter().enumerate() {
+    for (k, name) in state.names.iter().enumerate() {
         let group = &subject.groups[name.group];
         let p = group.parameters.len();
         let values: Vec<f64> = step.rows(model.table.nuisance + at, p).iter().copied().collect();
-        let mut others = explored.names.clone();
+        let mut others = state.names.clone();
         others.remove(k);
-        let without = explored.model(subject, others.clone())?;
+        let without = state.model(subject, others.clone())?;
         let scores = scores(&without, &subject.groups);
         let tests = scores.iter().filter(|s| s.rank > 0).count();
         let own = &scores[name.group];
         let place = name.at(&subject.groups, &rows);
-        let variance = model.noise.variance() * explored.fitting.inflation;
+        let variance = model.noise.variance() * state.fitting.inflation;
         let sigma = model.noise.variance().sqrt();
         let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
         let lambda_limit = lambda(own.rank, tests, own.places);
@@ -207,7 +207,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
             tied_with,
             size_over_limit: size,
             tentative: size < TENTATIVE,
-            added_variable: added_variable(explored, &subject.groups, &without, name, &values, sigma),
+            added_variable: added_variable(state, &subject.groups, &without, name, &values, sigma),
             plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
         });
         at += p;
@@ -217,7 +217,7 @@ fn causes(subject: &Subject<'_>, explored: &Explored, model: &Model<'_>) -> Resu
 }
 
 /// What a parameter measures at a leg: where joints differ, that of the joint of the leg and not of the first one.
-fn dimension(subject: &Subject<'_>, stated: Dimension, leg: Option<usize>) -> Dimension {
+fn dimension(subject: &Hypotheses<'_>, stated: Dimension, leg: Option<usize>) -> Dimension {
     let joints = subject.mechanism.joints();
     match leg.and_then(|leg| joints.get(leg)) {
         Some(joint) if stated == joints[0].dimension => joint.dimension,
@@ -228,26 +228,26 @@ fn dimension(subject: &Subject<'_>, stated: Dimension, leg: Option<usize>) -> Di
 /// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
 /// one, unless one is a special case of the other.
 fn rivals(
-    subject: &Subject<'_>,
+    subject: &Hypotheses<'_>,
     without: &Model<'_>,
     scores: &[Score],
-    name: &Candidate,
+    name: &Hypothesis,
     values: &[f64],
-    others: &[Candidate],
+    others: &[Hypothesis],
     variance: f64,
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
     let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
     let mut tied: Vec<Rival> = Vec::new();
     for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
-        let behind = own - s.evidence;
+        let log_bayes_factor = own - s.evidence;
         // What the data can hardly tell apart is not told apart by the sizes that are usual.
         let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
-        if behind > reach {
+        if log_bayes_factor > reach {
             continue;
         }
         let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
-        if behind <= TIED || separability < TOLD_APART {
+        if log_bayes_factor <= TIED || separability < TOLD_APART {
             let at = s.candidate.at(&subject.groups, &rows);
             tied.push(Rival {
                 effect: subject.groups[s.candidate.group].effect.name().into(),
@@ -255,21 +255,21 @@ fn rivals(
                 row: at.row,
                 of: at.covariate,
                 values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
-                behind,
+                log_bayes_factor,
                 separability,
             });
         }
     }
-    tied.sort_by(|a, b| a.behind.total_cmp(&b.behind));
+    tied.sort_by(|a, b| a.log_bayes_factor.total_cmp(&b.log_bayes_factor));
     tied
 }
 
 /// Effects that were not found with their limits, and those that these data cannot see.
 fn not_found(
-    subject: &Subject<'_>,
+    subject: &Hypotheses<'_>,
     model: &Model<'_>,
     without: &Model<'_>,
-    names: &[Candidate],
+    names: &[Hypothesis],
     causes: &[Cause],
 ) -> (Vec<NotFound>, Vec<NotTestable>) {
     let (mut found, mut unseen) = (Vec::new(), Vec::new());

@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 
-use crate::diagnosis::linear::design_matrix::Table;
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::model::Model;
 use crate::identification::ErrorSummary;
 use crate::measurement::RowKind;
@@ -60,7 +60,7 @@ pub(crate) fn held_out(model: &Model<'_>, folds: &[Vec<usize>]) -> Option<ErrorS
 }
 
 /// RMS residual over samples.
-pub(crate) fn rms(table: &Table, residual: &DVector<f64>, kept: &[usize]) -> ErrorSummary {
+pub(crate) fn rms(table: &DesignMatrix, residual: &DVector<f64>, kept: &[usize]) -> ErrorSummary {
     let mut squares = Squares::default();
     for k in kept {
         let (first, n) = table.rows[*k];
@@ -77,7 +77,7 @@ struct Squares {
 }
 
 impl Squares {
-    fn add(&mut self, table: &Table, sample: usize, white: &DVector<f64>) {
+    fn add(&mut self, table: &DesignMatrix, sample: usize, white: &DVector<f64>) {
         let first = table.rows[sample].0;
         let error = &table.unwhiten[sample] * white;
         for (kind, sum) in [(RowKind::Position, &mut self.position), (RowKind::Rotation, &mut self.rotation)] {

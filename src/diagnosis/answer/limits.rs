@@ -4,7 +4,7 @@
 //! its scan counted, comes out with a probability of 95 %. It follows from the columns alone, before anything is measured.
 
 use crate::diagnosis::answer::result::NotFound;
-use crate::diagnosis::linear::hypotheses::Group;
+use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::score_test::ABSORBED;
 use crate::diagnosis::linear::statistics::detection_limit;
@@ -17,7 +17,7 @@ pub(crate) fn lambda(rank: usize, tests: usize, places: usize) -> f64 {
 
 /// The limit of the first parameter of an effect alone; `None` if the data do not see it. Where places are tried out, that
 /// of the place in the middle of their order by size.
-pub(crate) fn limit(model: &Model<'_>, groups: &[Group], group: usize, tests: usize) -> Option<NotFound> {
+pub(crate) fn limit(model: &Model<'_>, groups: &[EffectColumns], group: usize, tests: usize) -> Option<NotFound> {
     let asked = model.ask_everywhere(groups, group);
     let places = asked.len();
     let mut seen: Vec<(f64, usize)> = asked

@@ -1,4 +1,5 @@
-//! TODO
+//! From names to an answer: sizes with uncertainties, rivals, gains on rows that were not fitted, limits of what was not
+//! found.
 
 pub(crate) mod evidence;
 pub(crate) mod findings;

@@ -1,7 +1,7 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
-use crate::diagnosis::linear::hypotheses::Group;
-use crate::effect::{ActiveEffect, Acts, Surroundings};
+use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::effect::{ActiveEffect, ActsOn, Environment};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;
 use crate::units::Dimension;
@@ -63,7 +63,7 @@ pub struct Rival {
     /// Values that its parameters would have, SI.
     pub values: Vec<f64>,
     /// How much less evidence it has, nats; below zero if it has more.
-    pub behind: f64,
+    pub log_bayes_factor: f64,
     /// `λ`: the part of the named effect, squared and in units of the noise, that the rival cannot imitate in these data.
     /// About 10 is needed to tell them apart.
     pub separability: f64,
@@ -79,7 +79,7 @@ pub struct Cause {
     /// What to do.
     pub remedy: String,
     /// What it acts on.
-    pub acts_on: Acts,
+    pub acts_on: ActsOn,
     /// Leg, from 0.
     pub leg: Option<usize>,
     /// Data row from which on it acts.
@@ -220,7 +220,7 @@ pub struct NotTestable {
 
 impl NotTestable {
     /// An effect whose columns the data do not see, because what it depends on hardly changes.
-    pub(crate) fn unchanging(group: &Group) -> Self {
+    pub(crate) fn unchanging(group: &EffectColumns) -> Self {
         let covariates = group.effect.covariates(&group.places[0].at);
         let what = match covariates.len() {
             0 => "what it depends on".into(),
@@ -274,7 +274,7 @@ pub struct Diagnosis {
     /// The causes with their values and the ranges of their covariates, ready for an extended model.
     pub effects: Vec<ActiveEffect>,
     /// What stands around the mechanism, with the reference temperatures that were used.
-    pub surroundings: Surroundings,
+    pub environment: Environment,
     /// Where tracker and target were found.
     pub frames: Frames,
     /// What the user should know.

@@ -13,7 +13,7 @@ use crate::measurement::RowKind;
 
 /// Residual and columns.
 #[derive(Clone, Debug)]
-pub(crate) struct Table {
+pub(crate) struct DesignMatrix {
     /// Whitened columns (rows × (nuisance + effects + joints)).
     pub(crate) a: DMatrix<f64>,
     /// Whitened residual.
@@ -38,7 +38,7 @@ pub(crate) struct Table {
     pub(crate) unwhiten: Vec<DMatrix<f64>>,
 }
 
-impl Table {
+impl DesignMatrix {
     /// Divides each row by the spread of the joint that moves it most, of its kind, and of its sample.
     pub(crate) fn spread(&mut self, of_joints: &[f64], of_kinds: Option<[f64; 2]>, of_samples: &[f64]) {
         if of_joints.is_empty() && of_kinds.is_none() && of_samples.is_empty() {

@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NotTestable;
-use crate::diagnosis::linear::design_matrix::Table;
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::effect::{
-    ActiveEffect, Acts, Effect, EffectParameter, Extended, Perturbation, Recorded, Scan, ScanPoint, SeenThrough,
-    Setting, Site, Surroundings,
+    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Extended, Perturbation,
+    Scan, ScanPoint, Site, WithInstrumentEffects,
 };
 use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
 use crate::measurement::Dataset;
@@ -20,28 +20,28 @@ use crate::units::Dimension;
 
 /// An effect that can be tested, with its columns at each place of its scan.
 #[derive(Clone, Debug)]
-pub(crate) struct Group {
+pub(crate) struct EffectColumns {
     pub(crate) effect: Arc<dyn Effect>,
     pub(crate) parameters: Vec<EffectParameter>,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<ScanSite>,
 }
 
 /// Columns of the table for one place of a scan. Where rows are scanned, those of row 0, of which each row cuts off the
 /// beginning.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct ScanSite {
     pub(crate) at: ScanPoint,
     pub(crate) columns: Range<usize>,
     pub(crate) scans_rows: bool,
 }
 
 /// What is asked, apart from values.
-pub(crate) struct Subject<'a> {
+pub(crate) struct Hypotheses<'a> {
     pub(crate) mechanism: &'a dyn Mechanism,
     pub(crate) data: &'a Dataset,
-    pub(crate) surroundings: Arc<Surroundings>,
+    pub(crate) environment: Arc<Environment>,
     pub(crate) prior: Prior,
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<EffectColumns>,
     /// Columns of the nuisance and of all groups; unit displacements of the joints stand behind them.
     pub(crate) columns: usize,
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
@@ -78,11 +78,11 @@ impl Effect for UnitJoint {
     fn remedy(&self) -> &str {
         ""
     }
-    fn missing(&self, _: &Setting<'_>, _: &Recorded) -> Vec<String> {
+    fn missing(&self, _: &EffectContext<'_>, _: &AvailableData) -> Vec<String> {
         Vec::new()
     }
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        (0..setting.joints()).map(|k| EffectParameter::new(k.to_string(), Dimension::None, 1.0)).collect()
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        (0..context.joints()).map(|k| EffectParameter::new(k.to_string(), Dimension::None, 1.0)).collect()
     }
     fn covariates(&self, _: &ScanPoint) -> Vec<String> {
         Vec::new()
@@ -92,30 +92,30 @@ impl Effect for UnitJoint {
     }
 }
 
-impl<'a> Subject<'a> {
+impl<'a> Hypotheses<'a> {
     /// The effects of a catalogue that can be tested, and what the others miss.
     pub(crate) fn new(
         mechanism: &'a dyn Mechanism,
         data: &'a Dataset,
-        surroundings: Arc<Surroundings>,
+        environment: Arc<Environment>,
         prior: Prior,
         catalogue: &[Arc<dyn Effect>],
     ) -> (Self, Vec<NotTestable>) {
-        let recorded = Recorded::of(data);
+        let available = AvailableData::of(data);
         let mut groups = Vec::new();
         let mut missing = Vec::new();
-        let mut next = mechanism.parameters().len() + data.model().own_parameters().len();
+        let mut next = mechanism.parameters().len() + data.model().nuisance_parameters().len();
         {
-            let setting = Setting::new(mechanism, &surroundings);
+            let context = EffectContext::new(mechanism, &environment);
             for effect in catalogue {
-                let lacks = effect.missing(&setting, &recorded);
+                let lacks = effect.missing(&context, &available);
                 if !lacks.is_empty() {
                     missing.push(NotTestable { effect: effect.name().to_owned(), missing: lacks });
                     continue;
                 }
-                let parameters = effect.parameters(&setting);
-                let legs = || (0..setting.joints()).map(ScanPoint::leg);
-                let scan = effect.scan(&setting, &recorded);
+                let parameters = effect.parameters(&context);
+                let legs = || (0..context.joints()).map(ScanPoint::leg);
+                let scan = effect.scan(&context, &available);
                 let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
                 let points: Vec<ScanPoint> = match scan {
                     Scan::None | Scan::Rows => vec![ScanPoint::none()],
@@ -127,17 +127,17 @@ impl<'a> Subject<'a> {
                 let place = |at: ScanPoint| {
                     let columns = next..next + parameters.len();
                     next = columns.end;
-                    Place { at, columns, scans_rows }
+                    ScanSite { at, columns, scans_rows }
                 };
                 let places = points.into_iter().map(place).collect();
-                groups.push(Group { effect: Arc::clone(effect), parameters, places });
+                groups.push(EffectColumns { effect: Arc::clone(effect), parameters, places });
             }
         }
         (
             Self {
                 mechanism,
                 data,
-                surroundings,
+                environment,
                 prior,
                 groups,
                 columns: next,
@@ -151,14 +151,14 @@ impl<'a> Subject<'a> {
 
     /// True if the joints are the coordinates of the pose.
     pub(crate) fn is_pose_space(&self) -> bool {
-        Setting::new(self.mechanism, &self.surroundings).is_pose_space()
+        EffectContext::new(self.mechanism, &self.environment).is_pose_space()
     }
 
     /// The mechanism with the effects of a point and its values.
     fn extended(&self, point: &Point, asked: &[ActiveEffect]) -> Result<Extended, DiagnoseError> {
         let inner = self.mechanism.with_values(&point.values, self.mechanism.home())?;
         let all = point.effects.iter().chain(asked).cloned().collect();
-        Ok(Extended::new(inner, Arc::clone(&self.surroundings), all))
+        Ok(Extended::new(inner, Arc::clone(&self.environment), all))
     }
 
     /// Everything that is asked, with values of zero.
@@ -186,11 +186,11 @@ impl<'a> Subject<'a> {
     }
 
     /// Makes the table at a point.
-    pub(crate) fn table(&self, point: &Point) -> Result<Table, DiagnoseError> {
+    pub(crate) fn table(&self, point: &Point) -> Result<DesignMatrix, DiagnoseError> {
         let asked = self.asked();
         let extended = self.extended(point, &asked)?;
         let everything: Vec<ActiveEffect> = point.effects.iter().chain(&asked).cloned().collect();
-        let seen = SeenThrough::wrap(self.data, self.mechanism, &self.surroundings, &everything)?;
+        let seen = WithInstrumentEffects::wrap(self.data, self.mechanism, &self.environment, &everything)?;
         let task = Task::new(&extended, &seen);
         let mut problem = CalibrationProblem::new(&task, None, 1.0)?;
         let (m, n) = problem.shape();
@@ -205,7 +205,7 @@ impl<'a> Subject<'a> {
         // The columns of J: mechanism, effects on it, own parameters, effects on the measurement.
         let specs = self.mechanism.parameters().len();
         let first_own = extended.parameters().len();
-        let own = self.data.model().own_parameters().len();
+        let own = self.data.model().nuisance_parameters().len();
         let nuisance = specs + own;
         let mut a = DMatrix::zeros(m, self.columns + self.mechanism.joints().len());
         a.columns_mut(0, specs).copy_from(&j.columns(0, specs));
@@ -216,7 +216,7 @@ impl<'a> Subject<'a> {
             to += from.len();
         }
         let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
-        let mut table = Table {
+        let mut table = DesignMatrix {
             r,
             rows: problem.sample_rows(),
             kinds: problem.row_kinds(),
@@ -237,7 +237,7 @@ impl<'a> Subject<'a> {
     /// that are kept. Values of effects are not drawn towards zero.
     pub(crate) fn fit(&self, point: &Point, kept: &[usize]) -> Result<Point, DiagnoseError> {
         let extended = self.extended(point, &[])?;
-        let seen = SeenThrough::wrap(self.data, self.mechanism, &self.surroundings, &point.effects)?;
+        let seen = WithInstrumentEffects::wrap(self.data, self.mechanism, &self.environment, &point.effects)?;
         let data = seen.subset(kept);
         let prior = self.prior.for_more_parameters(extended.parameters().len());
         let task = Task::new(&extended, &data);
@@ -254,7 +254,7 @@ impl<'a> Subject<'a> {
         let x = solution.x.as_slice();
         let specs = self.mechanism.parameters().len();
         let mut fitted = Point { values: x[..specs].to_vec(), ..point.clone() };
-        let own = self.data.model().own_parameters().len();
+        let own = self.data.model().nuisance_parameters().len();
         let places = unknowns(&point.effects, specs, extended.parameters().len() + own);
         for (effect, place) in fitted.effects.iter_mut().zip(places) {
             effect.values.copy_from_slice(&x[place]);
@@ -267,7 +267,7 @@ impl<'a> Subject<'a> {
 /// parameters, those on the measurement behind its own.
 fn unknowns(effects: &[ActiveEffect], mut on_mechanism: usize, mut on_measurement: usize) -> Vec<Range<usize>> {
     let place = |effect: &ActiveEffect| {
-        let next = if effect.effect.acts_on() == Acts::Mechanism { &mut on_mechanism } else { &mut on_measurement };
+        let next = if effect.effect.acts_on() == ActsOn::Mechanism { &mut on_mechanism } else { &mut on_measurement };
         let place = *next..*next + effect.values.len();
         *next = place.end;
         place

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::linear::score_test::{ABSORBED, Asked};
+use crate::diagnosis::linear::score_test::{ABSORBED, ScoreTest};
 
 /// Functions of the sample on one joint, projected.
 #[derive(Debug)]
@@ -21,12 +21,12 @@ pub(crate) struct JointFunctions {
 
 impl JointFunctions {
     /// The block of some of the functions.
-    pub(crate) fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
+    pub(crate) fn ask(&self, columns: std::ops::Range<usize>) -> ScoreTest {
         let f = self.functions.columns(columns.start, columns.len());
         let w = self.w.columns(columns.start, columns.len());
         let weighted = DMatrix::from_fn(f.nrows(), f.ncols(), |i, k| f[(i, k)] * self.square[i]);
         let square = f.tr_mul(&weighted);
-        Asked::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
+        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
     }
 
     /// For functions that are one on a single sample each: what their sum from each place of an order to its end would

@@ -8,16 +8,16 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::diagnosis::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::Table;
-use crate::diagnosis::linear::hypotheses::Group;
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::joint_functions::JointFunctions;
-use crate::diagnosis::linear::score_test::Asked;
+use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::Noise;
 use crate::effect::ScanPoint;
 
 /// An effect at a place, as the search handles it.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Candidate {
+pub(crate) struct Hypothesis {
     /// Which group of the subject.
     pub(crate) group: usize,
     /// Which place of the group.
@@ -26,9 +26,9 @@ pub(crate) struct Candidate {
     pub(crate) from: Option<usize>,
 }
 
-impl Candidate {
+impl Hypothesis {
     /// The place in the terms of the effect; `rows` are the data rows of the samples.
-    pub(crate) fn at(&self, groups: &[Group], rows: &[usize]) -> ScanPoint {
+    pub(crate) fn at(&self, groups: &[EffectColumns], rows: &[usize]) -> ScanPoint {
         let mut at = groups[self.group].places[self.place].at.clone();
         at.row = self.from.map(|k| rows[k]);
         at
@@ -38,8 +38,8 @@ impl Candidate {
 /// A fitted model.
 #[derive(Debug)]
 pub(crate) struct Model<'a> {
-    pub(crate) table: &'a Table,
-    pub(crate) candidates: Vec<Candidate>,
+    pub(crate) table: &'a DesignMatrix,
+    pub(crate) candidates: Vec<Hypothesis>,
     factor: Cholesky<f64, Dyn>,
     /// `Q` (rows × z).
     q: DMatrix<f64>,
@@ -66,7 +66,7 @@ pub(crate) struct Fitting {
 }
 
 /// The columns of a candidate.
-pub(crate) fn columns_of(table: &Table, groups: &[Group], candidate: &Candidate) -> DMatrix<f64> {
+pub(crate) fn columns_of(table: &DesignMatrix, groups: &[EffectColumns], candidate: &Hypothesis) -> DMatrix<f64> {
     let place = &groups[candidate.group].places[candidate.place];
     let mut columns = table.a.columns(place.columns.start, place.columns.len()).into_owned();
     if let Some(from) = candidate.from {
@@ -76,7 +76,7 @@ pub(crate) fn columns_of(table: &Table, groups: &[Group], candidate: &Candidate)
 }
 
 /// The columns of candidates side by side.
-fn columns_of_all(table: &Table, groups: &[Group], candidates: &[Candidate]) -> DMatrix<f64> {
+fn columns_of_all(table: &DesignMatrix, groups: &[EffectColumns], candidates: &[Hypothesis]) -> DMatrix<f64> {
     let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(table, groups, c)).collect();
     let mut all = DMatrix::zeros(table.r.len(), blocks.iter().map(DMatrix::ncols).sum());
     let mut at = 0;
@@ -90,9 +90,9 @@ fn columns_of_all(table: &Table, groups: &[Group], candidates: &[Candidate]) -> 
 impl<'a> Model<'a> {
     /// Fits the nuisance and these effects.
     pub(crate) fn fit(
-        table: &'a Table,
-        groups: &[Group],
-        candidates: Vec<Candidate>,
+        table: &'a DesignMatrix,
+        groups: &[EffectColumns],
+        candidates: Vec<Hypothesis>,
         fitting: &Fitting,
     ) -> Result<Self, DiagnoseError> {
         let effects = columns_of_all(table, groups, &candidates);
@@ -137,39 +137,39 @@ impl<'a> Model<'a> {
     }
 
     /// Further columns of the table, by their numbers.
-    fn ask(&self, columns: std::ops::Range<usize>) -> Asked {
+    fn ask(&self, columns: std::ops::Range<usize>) -> ScoreTest {
         let x = self.table.a.columns(columns.start, columns.len());
         let w = self.w.columns(columns.start, columns.len());
         let square = x.tr_mul(&x);
-        Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
     }
 
     /// The columns of these candidates together.
-    pub(crate) fn ask_all(&self, groups: &[Group], candidates: &[Candidate]) -> Asked {
+    pub(crate) fn ask_all(&self, groups: &[EffectColumns], candidates: &[Hypothesis]) -> ScoreTest {
         let x = columns_of_all(self.table, groups, candidates);
         let w = self.q.transpose() * &x;
         let square = x.transpose() * &x;
-        Asked::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
     }
 
     /// An effect at every place of its scan.
-    pub(crate) fn ask_everywhere(&self, groups: &[Group], group: usize) -> Vec<(Candidate, Asked)> {
+    pub(crate) fn ask_everywhere(&self, groups: &[EffectColumns], group: usize) -> Vec<(Hypothesis, ScoreTest)> {
         let mut all = Vec::new();
         for (place, p) in groups[group].places.iter().enumerate() {
             if !p.scans_rows {
-                all.push((Candidate { group, place, from: None }, self.ask(p.columns.clone())));
+                all.push((Hypothesis { group, place, from: None }, self.ask(p.columns.clone())));
                 continue;
             }
             // A step before the first row is an offset, and one at the last row an outlier.
             let last = self.table.samples().saturating_sub(1);
             let steps = self.ask_from_each_row(p.columns.clone()).into_iter().enumerate().take(last).skip(1);
-            all.extend(steps.map(|(from, asked)| (Candidate { group, place, from: Some(from) }, asked)));
+            all.extend(steps.map(|(from, asked)| (Hypothesis { group, place, from: Some(from) }, asked)));
         }
         all
     }
 
     /// A block of columns that acts from each sample on, in order: the sums over the samples from there to the end.
-    fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<Asked> {
+    fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<ScoreTest> {
         let p = columns.len();
         let x = self.table.a.columns(columns.start, p);
         let mut w = DMatrix::zeros(self.q.ncols(), p);
@@ -182,7 +182,7 @@ impl<'a> Model<'a> {
             square.gemm_tr(1.0, &part, &part, 1.0);
             c.gemv_tr(1.0, &part, &self.residual.rows(*first, *n), 1.0);
             let s: DMatrix<f64> = &square - w.tr_mul(&w);
-            all.push(Asked::of(&square, &s, &c, self.inflation));
+            all.push(ScoreTest::of(&square, &s, &c, self.inflation));
         }
         all.reverse();
         all
@@ -216,8 +216,8 @@ impl<'a> Model<'a> {
     /// Residual and `Q` of the rows of a sample that was left out, from the table that still has it.
     pub(crate) fn predicted(
         &self,
-        full: &Table,
-        groups: &[Group],
+        full: &DesignMatrix,
+        groups: &[EffectColumns],
         first: usize,
         n: usize,
     ) -> (DVector<f64>, DMatrix<f64>) {

@@ -7,7 +7,7 @@ use crate::solve::symmetric_eigen;
 
 /// A block of columns beside a model.
 #[derive(Clone, Debug)]
-pub(crate) struct Asked {
+pub(crate) struct ScoreTest {
     /// `S` (p × p).
     pub(crate) s: DMatrix<f64>,
     /// `c` (p).
@@ -21,7 +21,7 @@ pub(crate) const ABSORBED: f64 = 1e-8;
 /// Widths of the prior over the usual size of a parameter, an equal mixture: sound machines and broken ones.
 const WIDTHS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 
-impl Asked {
+impl ScoreTest {
     /// Rows that repeat each other count for less: every sum over rows is divided by `inflation`.
     pub(crate) fn of(square: &DMatrix<f64>, s: &DMatrix<f64>, c: &DVector<f64>, inflation: f64) -> Self {
         Self { s: s / inflation, c: c / inflation, raw: square.diagonal() / inflation }

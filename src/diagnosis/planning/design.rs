@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{NotFound, NotTestable};
-use crate::diagnosis::linear::design_matrix::Table;
-use crate::diagnosis::linear::hypotheses::{Point, Subject};
-use crate::diagnosis::linear::model::{Candidate, Fitting, Model};
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
+use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
 use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
 use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
@@ -44,9 +44,9 @@ pub fn planned(
 /// [`DiagnoseError`] if the samples decide too little.
 pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<NotTestable>), DiagnoseError> {
     let prior = Prior::wide(question.mechanism, TOLERANCES);
-    let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
+    let environment = Arc::new(question.environment.with_references_of(question.data));
     let (subject, mut missing) =
-        Subject::new(question.mechanism, question.data, surroundings, prior, &question.catalogue);
+        Hypotheses::new(question.mechanism, question.data, environment, prior, &question.catalogue);
     let table = table_of(&subject)?;
     let model = model_of(&subject, &table, Vec::new())?;
     let mut limits = Vec::new();
@@ -60,15 +60,15 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
 }
 
 /// Columns at the values of the mechanism, without effects.
-pub(crate) fn table_of(subject: &Subject<'_>) -> Result<Table, DiagnoseError> {
+pub(crate) fn table_of(subject: &Hypotheses<'_>) -> Result<DesignMatrix, DiagnoseError> {
     subject.table(&Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 })
 }
 
 /// The parameters and these effects, with the noise as stated.
 pub(crate) fn model_of<'a>(
-    subject: &Subject<'_>,
-    table: &'a Table,
-    effects: Vec<Candidate>,
+    subject: &Hypotheses<'_>,
+    table: &'a DesignMatrix,
+    effects: Vec<Hypothesis>,
 ) -> Result<Model<'a>, DiagnoseError> {
     let fitting = Fitting { rows: table.r.len(), scale: 1.0, inflation: 1.0, known: true };
     Model::fit(table, &subject.groups, effects, &fitting)

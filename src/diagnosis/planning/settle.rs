@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use crate::diagnosis::answer::result::{Cause, Diagnosis};
-use crate::diagnosis::linear::hypotheses::{Place, Subject};
-use crate::diagnosis::linear::model::Candidate;
+use crate::diagnosis::linear::hypotheses::{Hypotheses, ScanSite};
+use crate::diagnosis::linear::model::Hypothesis;
 use crate::diagnosis::planning::design::{model_of, planned, table_of};
 use crate::diagnosis::planning::scenarios::scenarios;
 use crate::diagnosis::search::stepwise::{related, separability};
@@ -34,7 +34,7 @@ pub struct Separation {
 
 /// Further measurements.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct MeasurementPlan {
     /// What to do, in a sentence.
     pub what: String,
     /// The samples to add: joints and conditions. Empty for the present data.
@@ -43,7 +43,7 @@ pub struct Plan {
     pub separations: Vec<Separation>,
 }
 
-impl Plan {
+impl MeasurementPlan {
     /// The least of the separabilities.
     pub fn weakest(&self) -> f64 {
         self.separations.iter().map(|s| s.separability).fold(f64::INFINITY, f64::min)
@@ -59,7 +59,7 @@ impl Plan {
 ///
 /// # Errors
 /// [`DiagnoseError`] if a plan leads to poses that do not exist.
-pub fn settle(question: &Question<'_>, found: &Diagnosis) -> Result<Vec<Plan>, DiagnoseError> {
+pub fn settle(question: &Question<'_>, found: &Diagnosis) -> Result<Vec<MeasurementPlan>, DiagnoseError> {
     let tied: Vec<&Cause> = found.causes.iter().filter(|c| !c.tied_with.is_empty()).collect();
     if tied.is_empty() {
         return Ok(Vec::new());
@@ -69,7 +69,7 @@ pub fn settle(question: &Question<'_>, found: &Diagnosis) -> Result<Vec<Plan>, D
     let mut plans = Vec::new();
     for (what, added) in scenarios(question, mechanism.as_ref(), found) {
         match separations(question, mechanism.as_ref(), found, &tied, &added) {
-            Ok(separations) => plans.push(Plan { what, samples: added, separations }),
+            Ok(separations) => plans.push(MeasurementPlan { what, samples: added, separations }),
             // A plan that the mechanism cannot carry out is none.
             Err(DiagnoseError::Identify(_)) if !added.is_empty() => {}
             Err(error) => return Err(error),
@@ -95,9 +95,9 @@ fn separations(
     let stated = question.data.noise;
     let noise = Noise { position: stated.position * scale, rotation: stated.rotation * scale, ..stated };
     let data = planned(mechanism, samples, question.convention, noise, measured(question.data))?;
-    let surroundings = Arc::new(question.surroundings.with_references_of(question.data));
+    let environment = Arc::new(question.environment.with_references_of(question.data));
     let prior = Prior::wide(mechanism, TOLERANCES);
-    let (subject, _) = Subject::new(mechanism, &data, surroundings, prior, &question.catalogue);
+    let (subject, _) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let table = table_of(&subject)?;
     let named = |c: &Cause| candidate(&subject, &c.effect, c.leg, c.row, c.of.as_ref());
     let mut separations = Vec::new();
@@ -137,15 +137,15 @@ fn measured(data: &Dataset) -> [bool; 6] {
 
 /// The place of an effect in the table of a subject.
 fn candidate(
-    subject: &Subject<'_>,
+    subject: &Hypotheses<'_>,
     name: &str,
     leg: Option<usize>,
     row: Option<usize>,
     of: Option<&String>,
-) -> Option<Candidate> {
+) -> Option<Hypothesis> {
     let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
-    let is_it = |p: &Place| p.at.leg == leg && p.at.covariate.as_ref() == of;
+    let is_it = |p: &ScanSite| p.at.leg == leg && p.at.covariate.as_ref() == of;
     let place = subject.groups[group].places.iter().position(is_it)?;
     let from = row.and_then(|row| subject.data.iter().position(|s| s.row >= row));
-    Some(Candidate { group, place, from })
+    Some(Hypothesis { group, place, from })
 }

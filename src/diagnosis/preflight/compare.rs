@@ -9,7 +9,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector3, Vector6};
 use crate::conditions::Conditions;
 use crate::diagnosis::answer::result::Misread;
 use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
-use crate::diagnosis::preflight::misreadings::{AsStated, Reading};
+use crate::diagnosis::preflight::misreadings::{Reading, StatedRows};
 use crate::identification::{Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
 use crate::mechanism::{Linearization, Mechanism, characteristic_length};
@@ -48,7 +48,7 @@ pub(crate) fn preflight(
         ways.push(true);
     }
     let stated = |rows: &[usize], steps: usize| {
-        let of = |way: &bool| trial.misfit(&Reading::Stated, rows, steps, *way);
+        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, steps, *way);
         ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     };
     let (at_first, at_last) = (stated(&few, STEPS[0]), stated(&all, STEPS[1]));
@@ -102,7 +102,7 @@ fn evenly(n: usize, count: usize) -> Vec<usize> {
 struct Trial<'a> {
     mechanism: &'a dyn Mechanism,
     data: &'a Dataset,
-    table: AsStated,
+    table: StatedRows,
     home: Vec<f64>,
     precision: DMatrix<f64>,
     prior: &'a Prior,
@@ -127,7 +127,7 @@ impl<'a> Trial<'a> {
         if still {
             return None;
         }
-        let mut table = AsStated { joints: Vec::new(), poses: Vec::new(), convention: *convention };
+        let mut table = StatedRows { joints: Vec::new(), poses: Vec::new(), convention: *convention };
         for k in 0..data.len() {
             let (model, index) = data.reading(k);
             table.poses.push(model.coordinates(index)?);
@@ -178,7 +178,7 @@ impl<'a> Trial<'a> {
         let at = Conditions::unknown();
         let asked: Vec<Vec<f64>> = (0..self.table.poses.len())
             .filter_map(|row| {
-                let (_, pose) = Reading::Stated.row(&self.table, &self.home, row)?;
+                let (_, pose) = Reading::AsStated.row(&self.table, &self.home, row)?;
                 self.mechanism.inverse(self.mechanism.values(), &pose, &at).ok()
             })
             .collect();

@@ -6,7 +6,7 @@ use crate::units::Dimension;
 
 /// Joints and coordinates of the poses, by sample, as they stand in a file.
 #[derive(Clone, Debug)]
-pub(crate) struct AsStated {
+pub(crate) struct StatedRows {
     pub(crate) joints: Vec<Vec<f64>>,
     pub(crate) poses: Vec<[f64; 6]>,
     pub(crate) convention: PoseConvention,
@@ -16,7 +16,7 @@ pub(crate) struct AsStated {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Reading {
     /// As it stands.
-    Stated,
+    AsStated,
     /// A coordinate counts the other way.
     AxisSign(usize),
     /// The rotation is that from base to platform.
@@ -45,7 +45,7 @@ impl Reading {
     /// Name in the format.
     pub(crate) fn name(&self) -> &'static str {
         match self {
-            Self::Stated => "as stated",
+            Self::AsStated => "as stated",
             Self::AxisSign(_) => "axis-sign",
             Self::Transposed | Self::Inverse => "inverse-pose",
             Self::EulerOrder => "euler-order",
@@ -61,7 +61,7 @@ impl Reading {
     /// What is wrong, in words.
     pub(crate) fn detail(&self) -> String {
         match self {
-            Self::Stated => "as stated".into(),
+            Self::AsStated => "as stated".into(),
             Self::AxisSign(k) => format!("the sign of {} is the other one", NAMES[*k]),
             Self::Transposed => "the rotation is the inverse one (passive instead of active)".into(),
             Self::Inverse => "the pose is that of the base seen from the platform".into(),
@@ -114,12 +114,12 @@ impl Reading {
     }
 
     /// Joints and pose of a row when the file is read this way; `None` if the row has no partner.
-    pub(crate) fn row(&self, table: &AsStated, home: &[f64], row: usize) -> Option<(Vec<f64>, Pose)> {
+    pub(crate) fn row(&self, table: &StatedRows, home: &[f64], row: usize) -> Option<(Vec<f64>, Pose)> {
         let mut joints = table.joints[row].clone();
         let mut q = table.poses[row];
         let mut convention = table.convention;
         match self {
-            Self::Stated => {}
+            Self::AsStated => {}
             Self::AxisSign(k) => q[*k] = -q[*k],
             Self::Transposed | Self::Inverse => {
                 let pose = convention.pose(&q);

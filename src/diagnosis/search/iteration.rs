@@ -7,13 +7,13 @@ use nalgebra::DVector;
 
 use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NoiseVaries;
-use crate::diagnosis::linear::design_matrix::Table;
-use crate::diagnosis::linear::hypotheses::{Point, Subject};
-use crate::diagnosis::linear::model::{Candidate, Fitting, Model, columns_of};
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
+use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
 use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::noise;
 use crate::diagnosis::search::outliers::{distances, outliers, suspicious};
-use crate::diagnosis::search::stepwise::Search;
+use crate::diagnosis::search::stepwise::Stepwise;
 use crate::effect::ActiveEffect;
 
 /// Times that the columns are computed anew.
@@ -29,20 +29,20 @@ fn kept(samples: usize, left_out: &[usize]) -> Vec<usize> {
 }
 
 /// Runs the search on a subject.
-pub(crate) struct Explorer<'a> {
-    pub(crate) subject: &'a Subject<'a>,
+pub(crate) struct Search<'a> {
+    pub(crate) subject: &'a Hypotheses<'a>,
     /// True if the noise is as stated.
     pub(crate) known: bool,
 }
 
 /// Where the search ended.
 #[derive(Debug)]
-pub(crate) struct Explored {
+pub(crate) struct SearchState {
     /// The columns at the end, with the effects' share taken out of the residual; every sample is in it.
-    pub(crate) full: Table,
+    pub(crate) full: DesignMatrix,
     /// The same without the samples that were left out.
-    pub(crate) table: Table,
-    pub(crate) names: Vec<Candidate>,
+    pub(crate) table: DesignMatrix,
+    pub(crate) names: Vec<Hypothesis>,
     pub(crate) left_out: Vec<usize>,
     pub(crate) fitting: Fitting,
     pub(crate) point: Point,
@@ -50,21 +50,24 @@ pub(crate) struct Explored {
     pub(crate) correlation: Option<f64>,
 }
 
-impl Explored {
+impl SearchState {
     /// σ of position rows and of rotation rows over the stated ones, if their ratio is not the stated one.
-    pub(crate) fn ratio(&self, subject: &Subject<'_>) -> Result<Option<[f64; 2]>, DiagnoseError> {
+    pub(crate) fn ratio(&self, subject: &Hypotheses<'_>) -> Result<Option<[f64; 2]>, DiagnoseError> {
         Ok(noise::ratio(&self.model(subject, self.names.clone())?, &self.left_out))
     }
 
     /// What the noise was found to vary with, and the σ of each sample then.
-    pub(crate) fn noise_varies(&self, subject: &Subject<'_>) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
+    pub(crate) fn noise_varies(
+        &self,
+        subject: &Hypotheses<'_>,
+    ) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
         let all = distances(&self.full, &model, &subject.groups, &self.left_out);
         Ok(noise::noise_varies(&all, &covariates(subject.data), &self.kept()))
     }
 
     /// σ of the rows of each joint over the stated one.
-    pub(crate) fn spreads(&self, subject: &Subject<'_>) -> Result<Vec<f64>, DiagnoseError> {
+    pub(crate) fn spreads(&self, subject: &Hypotheses<'_>) -> Result<Vec<f64>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
         Ok(self.table.spreads_of(&model.residual, &self.left_out))
     }
@@ -75,38 +78,38 @@ impl Explored {
     }
 
     /// The model of the parameters and these names.
-    pub(crate) fn model(&self, subject: &Subject<'_>, names: Vec<Candidate>) -> Result<Model<'_>, DiagnoseError> {
+    pub(crate) fn model(&self, subject: &Hypotheses<'_>, names: Vec<Hypothesis>) -> Result<Model<'_>, DiagnoseError> {
         Model::fit(&self.table, &subject.groups, names, &self.fitting)
     }
 }
 
-impl Explorer<'_> {
+impl Search<'_> {
     /// The search, and again where outliers or correlated rows ask for it.
-    pub(crate) fn explore_with_care(&self) -> Result<Explored, DiagnoseError> {
-        let mut explored = self.explore(true, 1.0)?;
-        let samples = explored.full.samples();
-        if suspicious(&explored.left_out, samples) {
+    pub(crate) fn explore_with_care(&self) -> Result<SearchState, DiagnoseError> {
+        let mut state = self.explore(true, 1.0)?;
+        let samples = state.full.samples();
+        if suspicious(&state.left_out, samples) {
             let untrimmed = self.explore(false, 1.0)?;
-            if self.cost(&untrimmed, &explored)? < self.cost(&explored, &untrimmed)? {
-                explored = untrimmed;
+            if self.cost(&untrimmed, &state)? < self.cost(&state, &untrimmed)? {
+                state = untrimmed;
             }
         }
-        if 3 * explored.left_out.len() > samples {
-            return Err(DiagnoseError::NothingFits { outliers: explored.left_out.len(), samples });
+        if 3 * state.left_out.len() > samples {
+            return Err(DiagnoseError::NothingFits { outliers: state.left_out.len(), samples });
         }
-        let model = explored.model(self.subject, explored.names.clone())?;
-        if let Some(rho) = noise::correlation(&model, &explored.left_out) {
-            let trimmed = !explored.left_out.is_empty();
-            explored = self.explore(trimmed, (1.0 + rho) / (1.0 - rho))?;
-            explored.correlation = Some(rho);
+        let model = state.model(self.subject, state.names.clone())?;
+        if let Some(rho) = noise::correlation(&model, &state.left_out) {
+            let trimmed = !state.left_out.is_empty();
+            state = self.explore(trimmed, (1.0 + rho) / (1.0 - rho))?;
+            state.correlation = Some(rho);
         }
-        Ok(explored)
+        Ok(state)
     }
 
     /// What an explanation costs: its misfit, its parameters, and six mean shifts for every discarded pose, with the noise
     /// that the better of the two leaves.
-    fn cost(&self, one: &Explored, other: &Explored) -> Result<f64, DiagnoseError> {
-        let of = |e: &Explored| -> Result<(f64, f64, f64), DiagnoseError> {
+    fn cost(&self, one: &SearchState, other: &SearchState) -> Result<f64, DiagnoseError> {
+        let of = |e: &SearchState| -> Result<(f64, f64, f64), DiagnoseError> {
             let model = e.model(self.subject, e.names.clone())?;
             let shifts: usize = e.left_out.iter().map(|k| e.full.rows[*k].1).sum();
             let values: usize = e.names.iter().map(|n| self.subject.groups[n.group].parameters.len()).sum();
@@ -116,13 +119,13 @@ impl Explorer<'_> {
         Ok(rss / variance.min(others) + paid * (one.full.r.len() as f64).ln())
     }
 
-    fn explore(&self, trim: bool, inflation: f64) -> Result<Explored, DiagnoseError> {
+    fn explore(&self, trim: bool, inflation: f64) -> Result<SearchState, DiagnoseError> {
         let subject = self.subject;
         let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
-        let mut names: Vec<Candidate> = Vec::new();
+        let mut names: Vec<Hypothesis> = Vec::new();
         let mut left_out = if trim { self.gross(&start)? } else { Vec::new() };
         let mut point = subject.fit(&start, &kept(subject.data.len(), &left_out))?;
-        let mut last: Option<Explored> = None;
+        let mut last: Option<SearchState> = None;
         for round in 0..ROUNDS {
             let mut full = match (subject.table(&point), last.take()) {
                 (Ok(table), _) => table,
@@ -146,7 +149,7 @@ impl Explorer<'_> {
                 }
                 table = full.without(&left_out);
                 fitting.rows = full.count(&left_out);
-                let search = Search { table: &table, groups: &subject.groups, fitting };
+                let search = Stepwise { table: &table, groups: &subject.groups, fitting };
                 let mut model = search.model(names.clone())?;
                 self.check_freedom(&model, fitting.rows)?;
                 if step == 0 && round > 0 && !names.is_empty() {
@@ -162,7 +165,7 @@ impl Explorer<'_> {
             point.scale = fitting.scale;
             let settled = before == (names.clone(), left_out.clone());
             let effects = self.effects(&Model::fit(&table, &subject.groups, names.clone(), &fitting)?);
-            let explored = Explored {
+            let state = SearchState {
                 full,
                 table,
                 names: names.clone(),
@@ -172,14 +175,14 @@ impl Explorer<'_> {
                 correlation: None,
             };
             if settled || round + 1 == ROUNDS {
-                return Ok(explored);
+                return Ok(state);
             }
-            point = match subject.fit(&Point { effects, ..point.clone() }, &explored.kept()) {
+            point = match subject.fit(&Point { effects, ..point.clone() }, &state.kept()) {
                 Ok(point) => point,
-                Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)) => return Ok(explored),
+                Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)) => return Ok(state),
                 Err(error) => return Err(error),
             };
-            last = Some(explored);
+            last = Some(state);
         }
         // The last round returns.
         Err(DiagnoseError::Singular)

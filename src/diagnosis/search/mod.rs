@@ -1,4 +1,5 @@
-//! TODO
+//! From columns to names: one effect is added, all are tried in each other's places, gross errors and the noise are judged
+//! anew, until nothing changes.
 
 pub(crate) mod covariates;
 pub(crate) mod iteration;

@@ -4,9 +4,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::ChiSquared;
 
 use crate::diagnosis::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::Table;
-use crate::diagnosis::linear::hypotheses::Group;
-use crate::diagnosis::linear::model::{Candidate, Fitting, Model};
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
 use crate::diagnosis::linear::statistics::upper_quantile;
 
 /// Probability of a sound sample to be called a gross error.
@@ -17,9 +17,9 @@ const ROUNDS: usize = 12;
 /// Length squared of the residual of each sample over what the noise would give, with the leverage of the sample taken
 /// out, and its degrees of freedom. `left_out` samples are predicted from the others.
 pub(crate) fn distances(
-    full: &Table,
+    full: &DesignMatrix,
     model: &Model<'_>,
-    groups: &[Group],
+    groups: &[EffectColumns],
     left_out: &[usize],
 ) -> Vec<Option<(f64, usize)>> {
     let distance = |k: usize| {
@@ -58,9 +58,9 @@ fn median_scale(distances: &[Option<(f64, usize)>]) -> f64 {
 
 /// The samples that do not fit beside these names, found by fitting and judging in turn, and the scale of the noise.
 pub(crate) fn outliers(
-    full: &Table,
-    groups: &[Group],
-    names: &[Candidate],
+    full: &DesignMatrix,
+    groups: &[EffectColumns],
+    names: &[Hypothesis],
     fitting: &Fitting,
     start: &[usize],
 ) -> Result<(Vec<usize>, f64), DiagnoseError> {

@@ -17,8 +17,8 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::diagnosis::answer::result::Unknown;
-use crate::diagnosis::linear::hypotheses::Group;
-use crate::diagnosis::linear::model::{Candidate, Model};
+use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::model::{Hypothesis, Model};
 use crate::diagnosis::linear::statistics::upper_f;
 use crate::diagnosis::search::covariates::Covariate;
 
@@ -83,7 +83,7 @@ fn worth(model: &Model<'_>, gain: f64, parameters: f64) -> f64 {
 }
 
 /// Worth of these names together beside the parameters alone, nats.
-pub(crate) fn worth_of(without: &Model<'_>, groups: &[Group], names: &[Candidate]) -> f64 {
+pub(crate) fn worth_of(without: &Model<'_>, groups: &[EffectColumns], names: &[Hypothesis]) -> f64 {
     let (gain, rank) = without.ask_all(groups, names).gain();
     worth(without, gain, rank as f64)
 }

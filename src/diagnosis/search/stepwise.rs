@@ -3,9 +3,9 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::Table;
-use crate::diagnosis::linear::hypotheses::Group;
-use crate::diagnosis::linear::model::{Candidate, Fitting, Model, columns_of};
+use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
 use crate::diagnosis::linear::statistics::log_mean;
 use crate::solve::svd;
 
@@ -24,7 +24,7 @@ const ROUNDS: usize = 6;
 #[derive(Clone, Debug)]
 pub(crate) struct Score {
     /// The effect at its best place.
-    pub(crate) candidate: Candidate,
+    pub(crate) candidate: Hypothesis,
     /// Gain at the best place.
     pub(crate) gain: f64,
     /// Directions of it that the data see.
@@ -38,15 +38,15 @@ pub(crate) struct Score {
 }
 
 /// Tests every effect of the catalogue beside a model. Effects that the data do not see have rank 0.
-pub(crate) fn scores(model: &Model<'_>, groups: &[Group]) -> Vec<Score> {
+pub(crate) fn scores(model: &Model<'_>, groups: &[EffectColumns]) -> Vec<Score> {
     (0..groups.len()).map(|g| score(model, groups, g)).collect()
 }
 
 /// Tests one effect beside a model.
-pub(crate) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score {
+pub(crate) fn score(model: &Model<'_>, groups: &[EffectColumns], group: usize) -> Score {
     let scales: Vec<f64> = groups[group].parameters.iter().map(|p| p.scale).collect();
     let all = model.ask_everywhere(groups, group);
-    let nothing = Candidate { group, place: 0, from: None };
+    let nothing = Hypothesis { group, place: 0, from: None };
     let mut best =
         Score { candidate: nothing, gain: 0.0, rank: 0, p_value: 1.0, evidence: f64::NEG_INFINITY, places: 0 };
     let mut least = 2.0;
@@ -72,14 +72,14 @@ pub(crate) fn score(model: &Model<'_>, groups: &[Group], group: usize) -> Score 
 }
 
 /// What the search needs beside the table.
-pub(crate) struct Search<'a> {
-    pub(crate) table: &'a Table,
-    pub(crate) groups: &'a [Group],
+pub(crate) struct Stepwise<'a> {
+    pub(crate) table: &'a DesignMatrix,
+    pub(crate) groups: &'a [EffectColumns],
     pub(crate) fitting: Fitting,
 }
 
-impl<'a> Search<'a> {
-    pub(crate) fn model(&self, candidates: Vec<Candidate>) -> Result<Model<'a>, DiagnoseError> {
+impl<'a> Stepwise<'a> {
+    pub(crate) fn model(&self, candidates: Vec<Hypothesis>) -> Result<Model<'a>, DiagnoseError> {
         Model::fit(self.table, self.groups, candidates, &self.fitting)
     }
 
@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
 
     /// The names of a model and one more, if one is detected, and then names removed and exchanged while that helps. `None`
     /// if nothing is detected.
-    pub(crate) fn step(&self, model: &Model<'_>) -> Result<Option<Vec<Candidate>>, DiagnoseError> {
+    pub(crate) fn step(&self, model: &Model<'_>) -> Result<Option<Vec<Hypothesis>>, DiagnoseError> {
         if model.candidates.len() >= MOST {
             return Ok(None);
         }
@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
     }
 
     /// Every name against all others in its place, and against none.
-    pub(crate) fn polished(&self, mut names: Vec<Candidate>) -> Result<Vec<Candidate>, DiagnoseError> {
+    pub(crate) fn polished(&self, mut names: Vec<Hypothesis>) -> Result<Vec<Hypothesis>, DiagnoseError> {
         for _ in 0..ROUNDS {
             let mut changed = false;
             let mut k = 0;
@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
 }
 
 /// True if one of two effects is a special case of the other.
-pub(crate) fn related(groups: &[Group], one: &Candidate, other: &Candidate) -> bool {
+pub(crate) fn related(groups: &[EffectColumns], one: &Hypothesis, other: &Hypothesis) -> bool {
     let (a, b) = (&groups[one.group].effect, &groups[other.group].effect);
     a.special_case_of().contains(&b.name()) || b.special_case_of().contains(&a.name())
 }
@@ -153,10 +153,10 @@ pub(crate) fn related(groups: &[Group], one: &Candidate, other: &Candidate) -> b
 /// the model `without`.
 pub(crate) fn separability(
     without: &Model<'_>,
-    groups: &[Group],
-    named: &Candidate,
+    groups: &[EffectColumns],
+    named: &Hypothesis,
     values: &[f64],
-    rival: &Candidate,
+    rival: &Hypothesis,
     variance: f64,
 ) -> f64 {
     let theta = DMatrix::from_column_slice(values.len(), 1, values);

@@ -7,15 +7,15 @@
 use nalgebra::{Vector3, Vector6};
 
 use super::{describe, move_frame, unrecorded};
-use crate::effect::{Acts, Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site};
+use crate::effect::{ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::units::Dimension;
 
 /// Acceleration of gravity, m/s².
 const G: f64 = 9.81;
 
-fn gravity_missing(recorded: &Recorded) -> Vec<String> {
-    if recorded.gravity { Vec::new() } else { vec!["elevation (or gravity_x, gravity_y, gravity_z)".into()] }
+fn gravity_missing(available: &AvailableData) -> Vec<String> {
+    if available.gravity { Vec::new() } else { vec!["elevation (or gravity_x, gravity_y, gravity_z)".into()] }
 }
 
 fn elevation() -> Vec<String> {
@@ -47,19 +47,19 @@ impl Effect for ComplianceGravity {
         "correct by elevation, or stiffen the legs and their joints"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = gravity_missing(recorded);
-        let s = setting.surroundings;
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = gravity_missing(available);
+        let s = context.environment;
         let known =
             [("[platform] mass_kg", s.mass.is_some()), ("[platform] centre_of_mass", s.centre_of_mass.is_some())];
         missing.extend(known.iter().filter(|(_, known)| !known).map(|(name, _)| (*name).to_owned()));
-        if setting.is_pose_space() {
+        if context.is_pose_space() {
             missing.push("legs".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         compliance()
     }
 
@@ -68,7 +68,7 @@ impl Effect for ComplianceGravity {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let s = site.setting.surroundings;
+        let s = site.context.environment;
         if let (Some(gravity), Some(mass), Some(centre)) = (site.conditions.gravity, s.mass, s.centre_of_mass) {
             loaded(site, &centre, &(gravity * (mass * G)), theta[0], out);
         }
@@ -86,19 +86,19 @@ impl Effect for CompliancePayload {
         "correct by the payload, or stiffen the legs and their joints"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = gravity_missing(recorded);
-        missing.extend(unrecorded(recorded, &["payload"]));
-        if setting.surroundings.payload_centre.is_none() {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = gravity_missing(available);
+        missing.extend(unrecorded(available, &["payload"]));
+        if context.environment.payload_centre.is_none() {
             missing.push("[platform] payload_centre".into());
         }
-        if setting.is_pose_space() {
+        if context.is_pose_space() {
             missing.push("legs".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         compliance()
     }
 
@@ -108,7 +108,7 @@ impl Effect for CompliancePayload {
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let load = site.conditions.get("payload");
-        let centre = site.setting.surroundings.payload_centre;
+        let centre = site.context.environment.payload_centre;
         if let (Some(gravity), Some(mass), Some(centre)) = (site.conditions.gravity, load, centre) {
             loaded(site, &centre, &(gravity * (mass * G)), theta[0], out);
         }
@@ -126,15 +126,15 @@ impl Effect for SagFrame {
         "measure reference points on the base at each elevation; commands cannot correct what only the instrument sees"
     );
 
-    fn acts_on(&self) -> Acts {
-        Acts::Measurement
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Measurement
     }
 
-    fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        gravity_missing(recorded)
+    fn missing(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        gravity_missing(available)
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         vec![
             EffectParameter::new("shift", Dimension::Length, 2e-5),
             EffectParameter::new("tilt", Dimension::Angle, 2e-5),
@@ -166,15 +166,15 @@ impl Effect for SagPlatform {
         "stiffen the platform, or correct by elevation"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = gravity_missing(recorded);
-        if !setting.has_points(Body::Platform) {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = gravity_missing(available);
+        if !context.has_points(Body::Platform) {
             missing.push("points of the platform among the parameters".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         vec![EffectParameter::new("cos", Dimension::Length, 1e-5), EffectParameter::new("sin", Dimension::Length, 1e-5)]
     }
 
@@ -184,8 +184,8 @@ impl Effect for SagPlatform {
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let Some(gravity) = site.conditions.gravity else { return };
-        let points = Body::Platform.points(site.setting.mechanism, site.values);
-        for (k, spec) in site.setting.mechanism.parameters().iter().enumerate() {
+        let points = Body::Platform.points(site.context.mechanism, site.values);
+        for (k, spec) in site.context.mechanism.parameters().iter().enumerate() {
             let Some((leg, 2)) = Body::Platform.coordinate(spec.role) else { continue };
             let Some((_, a)) = points.iter().find(|(l, _)| *l == leg) else { continue };
             let (sin, cos) = (2.0 * a.y.atan2(a.x)).sin_cos();
@@ -205,15 +205,15 @@ impl Effect for SagLinear {
         "enter the table of the six coordinates against elevation"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = gravity_missing(recorded);
-        if !setting.is_pose_space() {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = gravity_missing(available);
+        if !context.is_pose_space() {
             missing.push("a mechanism of type \"pose\"".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         let mut all = Vec::new();
         for (k, row) in ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate() {
             for column in ["x", "y", "z"] {

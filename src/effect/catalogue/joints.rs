@@ -5,7 +5,7 @@
 //! that range.
 
 use super::{describe, of_legs, per_leg};
-use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
+use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::pose::rotation_vector;
 use crate::units::Dimension;
@@ -25,16 +25,16 @@ impl Effect for Backlash {
         "approach every pose from the same side, preload the joints, or correct by the direction of the move"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = if setting.is_pose_space() { vec!["legs".into()] } else { Vec::new() };
-        if recorded.moves.last().is_none_or(|most| *most == 0.0) {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = if context.is_pose_space() { vec!["legs".into()] } else { Vec::new() };
+        if available.moves.last().is_none_or(|most| *most == 0.0) {
             missing.push("moves from one row to the next".into());
         }
         missing
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        per_leg(setting, "play", Dimension::Length, 5e-6)
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        per_leg(context, "play", Dimension::Length, 5e-6)
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
@@ -67,8 +67,8 @@ pub struct Play;
 
 impl Play {
     /// Widths that the moves tell from backlash.
-    fn widths(recorded: &Recorded) -> Vec<f64> {
-        WIDTHS.into_iter().filter(|w| recorded.shorter_moves(*w) > SHORT).collect()
+    fn widths(available: &AvailableData) -> Vec<f64> {
+        WIDTHS.into_iter().filter(|w| available.shorter_moves(*w) > SHORT).collect()
     }
 
     /// What remains of the way through the play at a row of the run: `P(L) - L`.
@@ -87,25 +87,25 @@ impl Effect for Play {
         "preload the joints, or approach every pose by a long move from the same side"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = Vec::new();
-        if setting.is_pose_space() || !setting.joints_are_lengths() {
+        if context.is_pose_space() || !context.joints_are_lengths() {
             missing.push("legs of variable length".into());
         }
-        if !recorded.run {
+        if !available.run {
             missing.push("the complete history of commands".into());
-        } else if Self::widths(recorded).is_empty() {
+        } else if Self::widths(available).is_empty() {
             missing.push("moves shorter than the play, without which it is backlash".into());
         }
         missing
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        per_leg(setting, "part", Dimension::None, 1.0)
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        per_leg(context, "part", Dimension::None, 1.0)
     }
 
-    fn scan(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Scan {
-        Scan::Covariates(Self::widths(recorded).into_iter().map(|w| format!("{:.0}um", 1e6 * w)).collect())
+    fn scan(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Scan {
+        Scan::Covariates(Self::widths(available).into_iter().map(|w| format!("{:.0}um", 1e6 * w)).collect())
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
@@ -116,17 +116,17 @@ impl Effect for Play {
         let Some(run) = &site.conditions.run else { return };
         let width = at.covariate.as_ref().and_then(|w| w.strip_suffix("um")?.parse::<f64>().ok());
         let Some(width) = width.map(|w| 1e-6 * w) else { return };
-        let home = site.setting.home_joints();
+        let home = site.context.home_joints();
         for (leg, part) in theta.iter().enumerate().filter(|(_, part)| **part != 0.0) {
             out.joints[leg] += part * Self::lost(&run.joints, run.row, leg, home[leg], width);
         }
     }
 }
 
-fn needs_points(setting: &Setting<'_>) -> Vec<String> {
-    let both = setting.has_points(Body::Platform) && setting.has_points(Body::Base);
-    let known = setting.home_legs().iter().all(Option::is_some);
-    if both && known && setting.joints_are_lengths() {
+fn needs_points(context: &EffectContext<'_>) -> Vec<String> {
+    let both = context.has_points(Body::Platform) && context.has_points(Body::Base);
+    let known = context.home_legs().iter().all(Option::is_some);
+    if both && known && context.joints_are_lengths() {
         Vec::new()
     } else {
         vec!["legs of variable length between points of both bodies".into()]
@@ -144,11 +144,11 @@ impl Effect for PivotShift {
         "correct by the square of the tilt, and do not use the model far outside the calibrated range without it"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
-        needs_points(setting)
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
+        needs_points(context)
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         vec![EffectParameter::new("shift", Dimension::Length, 2e-2)]
     }
 
@@ -157,7 +157,7 @@ impl Effect for PivotShift {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        for (leg, (now, home)) in site.legs().iter().zip(site.setting.home_legs()).enumerate() {
+        for (leg, (now, home)) in site.legs().iter().zip(site.context.home_legs()).enumerate() {
             if let (Some(now), Some(home)) = (now, home) {
                 let tilt = now.cross(home).norm().atan2(now.dot(home));
                 out.joints[leg] += theta[0] * tilt * tilt;
@@ -178,16 +178,16 @@ impl Effect for ScrewCoupling {
         "correct each length by the twist of its leg times the lead, or hold the screw against turning"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
-        let mut missing = needs_points(setting);
-        if setting.surroundings.screw_pitch.is_none() {
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
+        let mut missing = needs_points(context);
+        if context.environment.screw_pitch.is_none() {
             missing.push("[actuator] screw_pitch".into());
         }
         missing
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        let lead = setting.surroundings.screw_pitch.unwrap_or(5e-3) / std::f64::consts::TAU;
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        let lead = context.environment.screw_pitch.unwrap_or(5e-3) / std::f64::consts::TAU;
         vec![EffectParameter::new("lead", Dimension::LengthPerAngle, lead)]
     }
 
@@ -196,8 +196,8 @@ impl Effect for ScrewCoupling {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let turned = site.pose.rotation * site.setting.mechanism.home().rotation.inverse();
-        for (leg, (now, home)) in site.legs().iter().zip(site.setting.home_legs()).enumerate() {
+        let turned = site.pose.rotation * site.context.mechanism.home().rotation.inverse();
+        for (leg, (now, home)) in site.legs().iter().zip(site.context.home_legs()).enumerate() {
             let (Some(now), Some(home)) = (now, home) else { continue };
             let Some(swing) = nalgebra::Rotation3::rotation_between(home, now) else { continue };
             let twist = rotation_vector(&(turned * swing.inverse())).dot(now);

@@ -8,12 +8,12 @@
 use std::f64::consts::TAU;
 
 use super::{describe, of_legs, per_leg};
-use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site};
+use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, ScanPoint, Site};
 use crate::units::Dimension;
 
 /// Joints whose coordinates stand for something that can stretch; in pose space they are the pose itself.
-fn needs_legs(setting: &Setting<'_>) -> Vec<String> {
-    if setting.is_pose_space() { vec!["legs".into()] } else { Vec::new() }
+fn needs_legs(context: &EffectContext<'_>) -> Vec<String> {
+    if context.is_pose_space() { vec!["legs".into()] } else { Vec::new() }
 }
 
 fn own_length(at: &ScanPoint) -> Vec<String> {
@@ -31,11 +31,11 @@ impl Effect for ScaleCommon {
         "check the lead of the screws and the scale of the tracker against a gauge"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
-        needs_legs(setting)
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
+        needs_legs(context)
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         vec![EffectParameter::new("scale", Dimension::None, 2e-3)]
     }
 
@@ -48,7 +48,7 @@ impl Effect for ScaleCommon {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        for ((delta, length), home) in out.joints.iter_mut().zip(site.joints).zip(site.setting.home_joints()) {
+        for ((delta, length), home) in out.joints.iter_mut().zip(site.joints).zip(site.context.home_joints()) {
             *delta += theta[0] * (length - home);
         }
     }
@@ -65,12 +65,12 @@ impl Effect for ScalePerLeg {
         "enter the factors in the controller, or measure the leads"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
-        needs_legs(setting)
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
+        needs_legs(context)
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        per_leg(setting, "scale", Dimension::None, 2e-3)
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        per_leg(context, "scale", Dimension::None, 2e-3)
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
@@ -78,7 +78,7 @@ impl Effect for ScalePerLeg {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let home = site.setting.home_joints();
+        let home = site.context.home_joints();
         for (leg, k) in theta.iter().enumerate() {
             out.joints[leg] += k * (site.joints[leg] - home[leg]);
         }
@@ -96,12 +96,12 @@ impl Effect for LengthQuadratic {
         "calibrate the encoders against a linear reference, or enter the curvature in the controller"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
-        if setting.joints_are_lengths() { needs_legs(setting) } else { vec!["legs of variable length".into()] }
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
+        if context.joints_are_lengths() { needs_legs(context) } else { vec!["legs of variable length".into()] }
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        per_leg(setting, "curvature", Dimension::PerLength, 5e-2)
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        per_leg(context, "curvature", Dimension::PerLength, 5e-2)
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
@@ -109,7 +109,7 @@ impl Effect for LengthQuadratic {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let home = site.setting.home_joints();
+        let home = site.context.home_joints();
         for (leg, c) in theta.iter().enumerate() {
             out.joints[leg] += c * (site.joints[leg] - home[leg]).powi(2);
         }
@@ -127,18 +127,18 @@ impl Effect for CyclicPitch {
         "enter the wave in the controller, or read the legs with linear encoders"
     );
 
-    fn missing(&self, setting: &Setting<'_>, _recorded: &Recorded) -> Vec<String> {
+    fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
         let mut missing =
-            if setting.joints_are_lengths() { needs_legs(setting) } else { vec!["legs of variable length".into()] };
-        if setting.surroundings.screw_pitch.is_none() {
+            if context.joints_are_lengths() { needs_legs(context) } else { vec!["legs of variable length".into()] };
+        if context.environment.screw_pitch.is_none() {
             missing.push("[actuator] screw_pitch".into());
         }
         missing
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
-        let mut all = per_leg(setting, "sin", Dimension::Length, 5e-6);
-        all.extend(per_leg(setting, "cos", Dimension::Length, 5e-6));
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
+        let mut all = per_leg(context, "sin", Dimension::Length, 5e-6);
+        all.extend(per_leg(context, "cos", Dimension::Length, 5e-6));
         all
     }
 
@@ -147,7 +147,7 @@ impl Effect for CyclicPitch {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(pitch) = site.setting.surroundings.screw_pitch else { return };
+        let Some(pitch) = site.context.environment.screw_pitch else { return };
         let n = site.joints.len();
         for leg in 0..n {
             let (sin, cos) = (theta[leg], theta[n + leg]);

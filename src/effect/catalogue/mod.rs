@@ -103,7 +103,7 @@ use describe;
 /// A small rigid motion `(shift, turn)` of the frame of the instrument about the origin of the base, as the motion of the
 /// platform that is seen. In pose space, whose positions count from anywhere, turns have no arm.
 fn move_frame(shift: Vector3<f64>, turn: Vector3<f64>, site: &super::Site<'_>, out: &mut super::Perturbation) {
-    let arm = if site.setting.is_pose_space() { Vector3::zeros() } else { site.pose.position };
+    let arm = if site.context.is_pose_space() { Vector3::zeros() } else { site.pose.position };
     let shift = shift + turn.cross(&arm);
     out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
 }
@@ -120,18 +120,18 @@ fn of_legs(stem: &str, at: &super::ScanPoint) -> Vec<String> {
 const MOST_LEGS: usize = 12;
 
 /// The columns of a list that were not recorded.
-fn unrecorded(recorded: &super::Recorded, columns: &[&str]) -> Vec<String> {
-    columns.iter().filter(|c| !recorded.has(c)).map(|c| (*c).to_owned()).collect()
+fn unrecorded(available: &super::AvailableData, columns: &[&str]) -> Vec<String> {
+    columns.iter().filter(|c| !available.has(c)).map(|c| (*c).to_owned()).collect()
 }
 
 /// One parameter for each joint: `stem1`, `stem2`, ….
 fn per_leg(
-    setting: &super::Setting<'_>,
+    context: &super::EffectContext<'_>,
     stem: &str,
     dimension: crate::units::Dimension,
     scale: f64,
 ) -> Vec<super::EffectParameter> {
-    let joints = setting.mechanism.joints();
+    let joints = context.mechanism.joints();
     // A length means the coordinate of the joint, which may be an angle.
     let of = |leg: usize| match dimension {
         crate::units::Dimension::Length => joints[leg].dimension,

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{describe, of_legs, unrecorded};
-use crate::effect::{Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
+use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::solve::svd;
 use crate::units::Dimension;
@@ -21,8 +21,8 @@ fn expansion() -> Vec<EffectParameter> {
 }
 
 /// Legs that are lengths; an angle does not grow.
-fn needs_lengths(setting: &Setting<'_>) -> Vec<String> {
-    let ok = setting.joints_are_lengths() && !setting.is_pose_space();
+fn needs_lengths(context: &EffectContext<'_>) -> Vec<String> {
+    let ok = context.joints_are_lengths() && !context.is_pose_space();
     if ok { Vec::new() } else { vec!["legs of variable length".into()] }
 }
 
@@ -37,16 +37,16 @@ impl Effect for ThermalLegsUniform {
         "measure the temperature of the legs and correct the commanded lengths by it, or use legs that grow less"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let mut missing = needs_lengths(setting);
-        let own = (0..setting.joints()).all(|leg| recorded.has(&Setting::leg_temperature(leg)));
-        if !recorded.has("temp_legs") && !own {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = needs_lengths(context);
+        let own = (0..context.joints()).all(|leg| available.has(&EffectContext::leg_temperature(leg)));
+        if !available.has("temp_legs") && !own {
             missing.push("temp_legs".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
@@ -73,14 +73,14 @@ impl Effect for ThermalLegsIndividual {
         "correct each commanded length by the temperature of its leg; find what heats the legs differently"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        let names: Vec<String> = (0..setting.joints()).map(Setting::leg_temperature).collect();
-        let mut missing = needs_lengths(setting);
-        missing.extend(names.into_iter().filter(|n| !recorded.has(n)));
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let names: Vec<String> = (0..context.joints()).map(EffectContext::leg_temperature).collect();
+        let mut missing = needs_lengths(context);
+        missing.extend(names.into_iter().filter(|n| !available.has(n)));
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
@@ -90,7 +90,7 @@ impl Effect for ThermalLegsIndividual {
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         for (leg, (delta, length)) in out.joints.iter_mut().zip(site.joints).enumerate() {
-            if let Some(t) = site.temperature(&Setting::leg_temperature(leg)) {
+            if let Some(t) = site.temperature(&EffectContext::leg_temperature(leg)) {
                 *delta += theta[0] * length * t;
             }
         }
@@ -108,25 +108,25 @@ impl Effect for ThermalLegSingle {
         "look at the material and the temperature sensor of that leg, and at what warms it"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        ThermalLegsIndividual.missing(setting, recorded)
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        ThermalLegsIndividual.missing(context, available)
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+    fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
         Scan::Legs
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
-        at.leg.map(Setting::leg_temperature).into_iter().collect()
+        at.leg.map(EffectContext::leg_temperature).into_iter().collect()
     }
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let Some(leg) = at.leg else { return };
-        if let Some(t) = site.temperature(&Setting::leg_temperature(leg)) {
+        if let Some(t) = site.temperature(&EffectContext::leg_temperature(leg)) {
             out.joints[leg] += theta[0] * site.joints[leg] * t;
         }
     }
@@ -134,8 +134,8 @@ impl Effect for ThermalLegSingle {
 
 /// Adds `factor(place) · place` to every point of a body.
 fn grow(body: Body, site: &Site<'_>, out: &mut Perturbation, factor: impl Fn(&Vector3<f64>) -> f64) {
-    let points = body.points(site.setting.mechanism, site.values);
-    for (k, spec) in site.setting.mechanism.parameters().iter().enumerate() {
+    let points = body.points(site.context.mechanism, site.values);
+    for (k, spec) in site.context.mechanism.parameters().iter().enumerate() {
         let Some((leg, axis)) = body.coordinate(spec.role) else { continue };
         if let Some((_, place)) = points.iter().find(|(l, _)| *l == leg) {
             out.parameters[k] += factor(place) * place[axis];
@@ -143,9 +143,9 @@ fn grow(body: Body, site: &Site<'_>, out: &mut Perturbation, factor: impl Fn(&Ve
     }
 }
 
-fn body_missing(setting: &Setting<'_>, recorded: &Recorded, body: Body, column: &str) -> Vec<String> {
-    let mut missing = unrecorded(recorded, &[column]);
-    if !setting.has_points(body) {
+fn body_missing(context: &EffectContext<'_>, available: &AvailableData, body: Body, column: &str) -> Vec<String> {
+    let mut missing = unrecorded(available, &[column]);
+    if !context.has_points(body) {
         let name = if body == Body::Platform { "platform" } else { "base" };
         missing.push(format!("points of the {name} among the parameters"));
     }
@@ -163,11 +163,11 @@ impl Effect for ThermalPlatform {
         "correct by the temperature of the platform, or choose a material for it that grows less"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        body_missing(setting, recorded, Body::Platform, "temp_platform")
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        body_missing(context, available, Body::Platform, "temp_platform")
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
@@ -193,11 +193,11 @@ impl Effect for ThermalBase {
         "correct by the temperature of the base, or let it reach a steady temperature before the work"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        body_missing(setting, recorded, Body::Base, "temp_base")
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        body_missing(context, available, Body::Base, "temp_base")
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
@@ -220,7 +220,7 @@ pub struct ThermalGradient;
 impl ThermalGradient {
     /// Temperature at the origin and its gradient, as least squares through the sensors of the base.
     fn field(site: &Site<'_>) -> Option<(f64, Vector3<f64>)> {
-        let sensors = site.setting.surroundings.sensors.iter().filter(|s| s.body == Body::Base);
+        let sensors = site.context.environment.sensors.iter().filter(|s| s.body == Body::Base);
         let known: Vec<_> = sensors.filter_map(|s| Some((s.place, site.temperature(&s.covariate)?))).collect();
         if known.len() < 3 {
             return None;
@@ -244,20 +244,20 @@ impl Effect for ThermalGradient {
         "shield the base from the source of heat, or correct by the temperatures of its sensors"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = Vec::new();
-        let on_base: Vec<_> = setting.surroundings.sensors.iter().filter(|s| s.body == Body::Base).collect();
+        let on_base: Vec<_> = context.environment.sensors.iter().filter(|s| s.body == Body::Base).collect();
         if on_base.len() < 3 {
             missing.push("three [[sensor]] entries on the base".into());
         }
-        missing.extend(on_base.iter().filter(|s| !recorded.has(&s.covariate)).map(|s| s.covariate.clone()));
-        if !setting.has_points(Body::Base) {
+        missing.extend(on_base.iter().filter(|s| !available.has(&s.covariate)).map(|s| s.covariate.clone()));
+        if !context.has_points(Body::Base) {
             missing.push("points of the base among the parameters".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
 
@@ -283,18 +283,18 @@ impl Effect for ThermalPose {
         "add the temperature to the look-up table"
     );
 
-    fn missing(&self, setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = Vec::new();
-        if !setting.is_pose_space() {
+        if !context.is_pose_space() {
             missing.push("a mechanism of type \"pose\"".into());
         }
-        if recorded.temperatures().is_empty() {
+        if available.temperatures().is_empty() {
             missing.push("a column temp_…".into());
         }
         missing
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         let of = |(k, name): (usize, &&str)| match k {
             0..3 => EffectParameter::new(*name, Dimension::LengthPerKelvin, 1e-5),
             _ => EffectParameter::new(*name, Dimension::AnglePerKelvin, 1e-5),
@@ -302,8 +302,8 @@ impl Effect for ThermalPose {
         ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
     }
 
-    fn scan(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Scan {
-        Scan::Covariates(recorded.temperatures())
+    fn scan(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Scan {
+        Scan::Covariates(available.temperatures())
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {

@@ -7,7 +7,9 @@
 use nalgebra::Vector3;
 
 use super::move_frame;
-use crate::effect::{Acts, Effect, EffectParameter, Perturbation, Recorded, Scan, ScanPoint, Setting, Site};
+use crate::effect::{
+    ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site,
+};
 use crate::units::Dimension;
 
 /// How something goes on through the run.
@@ -30,8 +32,8 @@ impl Course {
     }
 }
 
-fn needs_run(recorded: &Recorded) -> Vec<String> {
-    if recorded.run { Vec::new() } else { vec!["rows in the order of measuring".into()] }
+fn needs_run(available: &AvailableData) -> Vec<String> {
+    if available.run { Vec::new() } else { vec!["rows in the order of measuring".into()] }
 }
 
 fn time() -> Vec<String> {
@@ -66,19 +68,19 @@ impl Effect for FrameMoves {
         }
     }
 
-    fn acts_on(&self) -> Acts {
-        Acts::Measurement
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Measurement
     }
 
     fn describes_one_run(&self) -> bool {
         true
     }
 
-    fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        needs_run(recorded)
+    fn missing(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        needs_run(available)
     }
 
-    fn parameters(&self, _setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         let of = |(k, name): (usize, &&str)| {
             let dimension = if k < 3 { Dimension::Length } else { Dimension::Angle };
             EffectParameter::new(*name, dimension, 1e-5)
@@ -86,7 +88,7 @@ impl Effect for FrameMoves {
         ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
     }
 
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+    fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
         match self.0 {
             Course::Drift => Scan::None,
             Course::Step => Scan::Rows,
@@ -135,19 +137,19 @@ impl Effect for LegMoves {
         true
     }
 
-    fn missing(&self, _setting: &Setting<'_>, recorded: &Recorded) -> Vec<String> {
-        needs_run(recorded)
+    fn missing(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        needs_run(available)
     }
 
-    fn parameters(&self, setting: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
         let name = match self.0 {
             Course::Drift => "drift",
             Course::Step => "step",
         };
-        vec![EffectParameter::new(name, setting.mechanism.joints()[0].dimension, 1e-5)]
+        vec![EffectParameter::new(name, context.mechanism.joints()[0].dimension, 1e-5)]
     }
 
-    fn scan(&self, _setting: &Setting<'_>, _recorded: &Recorded) -> Scan {
+    fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
         match self.0 {
             Course::Drift => Scan::Legs,
             Course::Step => Scan::LegsAndRows,

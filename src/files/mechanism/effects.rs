@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::conditions::Conditions;
 use crate::effect::{
-    ActiveEffect, Acts, Effect, Extended, Recorded, Scan, ScanPoint, Setting, Surroundings, catalogue, effect,
-    effects_of, without_effects,
+    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, Environment, Extended, Scan, ScanPoint, catalogue,
+    effect, effects_of, without_effects,
 };
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
@@ -27,19 +27,19 @@ fn trouble(key: &'static str, problem: impl Into<String>) -> Trouble {
 }
 
 /// The effect that an entry states.
-fn active(entry: &EffectEntry, setting: &Setting<'_>) -> Result<ActiveEffect, Trouble> {
+fn active(entry: &EffectEntry, context: &EffectContext<'_>) -> Result<ActiveEffect, Trouble> {
     let name = &entry.name;
     let Some(found) = effect(name) else {
         let all: Vec<String> = catalogue().iter().map(|e| e.name().to_owned()).collect();
         return Err(trouble("name", format!("'{name}' is no effect; those that are known are {}", all.join(", "))));
     };
-    let at = place(entry, found.as_ref(), setting)?;
-    let lacking = found.missing(setting, &Recorded::everything(setting, &at));
+    let at = place(entry, found.as_ref(), context)?;
+    let lacking = found.missing(context, &AvailableData::everything(context, &at));
     if !lacking.is_empty() {
         let problem = format!("needs {}; state it, or delete the effect", lacking.join(" and "));
         return Err(Trouble { key: None, problem });
     }
-    let expected: Vec<String> = found.parameters(setting).into_iter().map(|p| p.name).collect();
+    let expected: Vec<String> = found.parameters(context).into_iter().map(|p| p.name).collect();
     for (key, values) in [("parameters", &entry.parameters), ("sigma", &entry.sigma)] {
         if let Some(unknown) = values.keys().find(|k| !expected.contains(k)) {
             return Err(trouble(key, format!("'{unknown}' is no parameter of it; those are {}", expected.join(", "))));
@@ -66,10 +66,10 @@ fn active(entry: &EffectEntry, setting: &Setting<'_>) -> Result<ActiveEffect, Tr
 }
 
 /// Where in its scan an effect acts.
-fn place(entry: &EffectEntry, effect: &dyn Effect, setting: &Setting<'_>) -> Result<ScanPoint, Trouble> {
+fn place(entry: &EffectEntry, effect: &dyn Effect, context: &EffectContext<'_>) -> Result<ScanPoint, Trouble> {
     let at = ScanPoint { leg: entry.leg.map(|leg| leg.wrapping_sub(1)), row: entry.row, covariate: entry.of.clone() };
-    let scan = effect.scan(setting, &Recorded::everything(setting, &at));
-    let legs = setting.joints();
+    let scan = effect.scan(context, &AvailableData::everything(context, &at));
+    let legs = context.joints();
     let choices = match &scan {
         Scan::Covariates(names) => names.join(", "),
         _ => String::new(),
@@ -110,7 +110,7 @@ fn is_width(tried: &[String], of: &str) -> bool {
 pub(crate) struct Effects {
     pub(crate) mechanism: Box<dyn Mechanism>,
     pub(crate) instrument: Vec<ActiveEffect>,
-    pub(crate) surroundings: Arc<Surroundings>,
+    pub(crate) environment: Arc<Environment>,
 }
 
 /// Puts the effects of a document around a mechanism.
@@ -118,17 +118,17 @@ pub(crate) fn with_effects(
     r: &Reader<'_>,
     document: &MechanismDocument,
     mechanism: Box<dyn Mechanism>,
-    surroundings: Surroundings,
+    environment: Environment,
 ) -> Result<Effects, FileError> {
-    let mut surroundings = surroundings;
+    let mut environment = environment;
     let place = |k: usize| format!("effect {} '{}'", k + 1, document.effects[k].name);
     for (k, entry) in document.effects.iter().enumerate() {
         for (covariate, value) in &entry.reference {
             let wrong = |problem: String| r.value(format!("{}, `reference`", place(k)), problem);
-            if surroundings.reference_temperature.is_some() {
+            if environment.reference_temperature.is_some() {
                 return Err(wrong("means nothing beside reference_temperature_degC; delete one of them".into()));
             }
-            let known = surroundings.references.insert(covariate.clone(), *value).filter(|known| known != value);
+            let known = environment.references.insert(covariate.clone(), *value).filter(|known| known != value);
             if let Some(known) = known {
                 return Err(wrong(format!(
                     "'{covariate}' is {value}, and {known} in an entry before; state one value"
@@ -138,9 +138,9 @@ pub(crate) fn with_effects(
     }
     let mut all: Vec<ActiveEffect> = Vec::with_capacity(document.effects.len());
     {
-        let setting = Setting::new(mechanism.as_ref(), &surroundings);
+        let context = EffectContext::new(mechanism.as_ref(), &environment);
         for (k, entry) in document.effects.iter().enumerate() {
-            let found = active(entry, &setting).map_err(|t| about(r, &place(k), t))?;
+            let found = active(entry, &context).map_err(|t| about(r, &place(k), t))?;
             if all.iter().any(|other| other.label() == found.label()) {
                 let problem = format!("{} stands twice; keep one of them", found.label());
                 return Err(r.value(place(k), problem));
@@ -148,13 +148,13 @@ pub(crate) fn with_effects(
             all.push(found);
         }
     }
-    let surroundings = Arc::new(surroundings);
-    let (moving, instrument): (Vec<_>, Vec<_>) = all.into_iter().partition(|e| e.effect.acts_on() == Acts::Mechanism);
+    let environment = Arc::new(environment);
+    let (moving, instrument): (Vec<_>, Vec<_>) = all.into_iter().partition(|e| e.effect.acts_on() == ActsOn::Mechanism);
     let mechanism: Box<dyn Mechanism> = match moving.is_empty() {
         true => mechanism,
-        false => Box::new(Extended::new(mechanism, Arc::clone(&surroundings), moving)),
+        false => Box::new(Extended::new(mechanism, Arc::clone(&environment), moving)),
     };
-    Ok(Effects { mechanism, instrument, surroundings })
+    Ok(Effects { mechanism, instrument, environment })
 }
 
 fn about(r: &Reader<'_>, place: &str, trouble: Trouble) -> FileError {
@@ -185,7 +185,7 @@ impl Machine {
     /// [`FileError::Value`] for what a mechanism file with this entry would be refused for.
     pub fn effect(&self, entry: &EffectEntry, place: &str) -> Result<ActiveEffect, FileError> {
         let r = Reader { path: &self.path, length: self.length_unit, angle: self.angle_unit };
-        active(entry, &Setting::new(self.plain(), &self.surroundings)).map_err(|t| about(&r, place, t))
+        active(entry, &EffectContext::new(self.plain(), &self.environment)).map_err(|t| about(&r, place, t))
     }
 
     /// Takes the means of temperatures of these states for the references that the file does not state but an effect
@@ -193,31 +193,31 @@ impl Machine {
     pub fn refer_to<'a>(&mut self, states: impl Iterator<Item = &'a Conditions>, list: &str) -> Option<String> {
         let effects = self.effects();
         let mut wanted: Vec<String> = {
-            let setting = Setting::new(self.plain(), &self.surroundings);
-            let names = effects.iter().flat_map(|e| e.temperatures(&setting));
-            names.filter(|name| self.surroundings.reference(name).is_none()).collect()
+            let context = EffectContext::new(self.plain(), &self.environment);
+            let names = effects.iter().flat_map(|e| e.temperatures(&context));
+            names.filter(|name| self.environment.reference(name).is_none()).collect()
         };
         wanted.sort();
         wanted.dedup();
         if wanted.is_empty() {
             return None;
         }
-        let means = self.surroundings.with_references_among(states).references;
-        let mut surroundings = Surroundings::clone(&self.surroundings);
+        let means = self.environment.with_references_among(states).references;
+        let mut environment = Environment::clone(&self.environment);
         let mut said = Vec::new();
         for name in wanted {
             if let Some(mean) = means.get(&name) {
                 said.push(format!("{name} {mean:.3} degC"));
-                surroundings.references.insert(name, *mean);
+                environment.references.insert(name, *mean);
             }
         }
-        self.surroundings = Arc::new(surroundings);
+        self.environment = Arc::new(environment);
         let plain = self.plain();
         // The values are those of the mechanism itself, which it takes.
         if let Ok(inner) = plain.with_values(plain.values(), plain.home()) {
             let moving = effects_of(self.mechanism.as_ref()).to_vec();
             if !moving.is_empty() {
-                self.mechanism = Box::new(Extended::new(inner, Arc::clone(&self.surroundings), moving));
+                self.mechanism = Box::new(Extended::new(inner, Arc::clone(&self.environment), moving));
             }
         }
         let means = said.join(", ");
@@ -226,7 +226,7 @@ impl Machine {
     }
 
     /// The file for another state of the mechanism without effects, and with these effects: what [`Self::document_of`]
-    /// writes, and one entry for each effect with the reference temperatures in `surroundings` that it needs. `sigmas` are
+    /// writes, and one entry for each effect with the reference temperatures in `environment` that it needs. `sigmas` are
     /// 1σ of the values of each effect, or empty.
     ///
     /// # Errors
@@ -238,37 +238,37 @@ impl Machine {
         frames: &Frames,
         effects: &[ActiveEffect],
         sigmas: &[Vec<f64>],
-        surroundings: &Surroundings,
+        environment: &Environment,
     ) -> Result<MechanismDocument, FileError> {
         let mut document = self.document_of(mechanism, workspace, &[], frames)?;
-        document.effects = self.effect_entries(effects, sigmas, surroundings);
+        document.effects = self.effect_entries(effects, sigmas, environment);
         Ok(document)
     }
 
-    /// One entry for each effect, with the reference temperatures that it needs and `surroundings` has. `sigmas` are 1σ of
+    /// One entry for each effect, with the reference temperatures that it needs and `environment` has. `sigmas` are 1σ of
     /// the values of each effect, or empty; what is not finite is left out.
     pub fn effect_entries(
         &self,
         effects: &[ActiveEffect],
         sigmas: &[Vec<f64>],
-        surroundings: &Surroundings,
+        environment: &Environment,
     ) -> Vec<EffectEntry> {
-        let setting = Setting::new(self.plain(), surroundings);
-        let entry = |(k, effect)| entry(effect, sigmas.get(k).map_or(&[], Vec::as_slice), &setting);
+        let context = EffectContext::new(self.plain(), environment);
+        let entry = |(k, effect)| entry(effect, sigmas.get(k).map_or(&[], Vec::as_slice), &context);
         effects.iter().enumerate().map(entry).collect()
     }
 }
 
-fn entry(active: &ActiveEffect, sigma: &[f64], setting: &Setting<'_>) -> EffectEntry {
-    let names: Vec<String> = active.effect.parameters(setting).into_iter().map(|p| p.name).collect();
+fn entry(active: &ActiveEffect, sigma: &[f64], context: &EffectContext<'_>) -> EffectEntry {
+    let names: Vec<String> = active.effect.parameters(context).into_iter().map(|p| p.name).collect();
     let table = |values: &[f64]| -> BTreeMap<String, f64> {
         let known = names.iter().cloned().zip(values.iter().copied());
         known.filter(|(_, v)| v.is_finite()).collect()
     };
-    let surroundings = setting.surroundings;
-    let common = surroundings.reference_temperature.is_some();
-    let temperatures = active.temperatures(setting).into_iter().filter(|_| !common);
-    let reference = temperatures.filter_map(|name| Some((name.clone(), *surroundings.references.get(&name)?)));
+    let environment = context.environment;
+    let common = environment.reference_temperature.is_some();
+    let temperatures = active.temperatures(context).into_iter().filter(|_| !common);
+    let reference = temperatures.filter_map(|name| Some((name.clone(), *environment.references.get(&name)?)));
     EffectEntry {
         name: active.effect.name().to_owned(),
         leg: active.at.leg.map(|leg| leg + 1),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::effect::{Sensor, Surroundings};
+use crate::effect::{Environment, Sensor};
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::entries::SensorEntry;
@@ -10,8 +10,8 @@ use crate::files::mechanism::read::Reader;
 use crate::mechanism::Body;
 use crate::units::{Dimension, Unit};
 
-/// The surroundings of a document, without the reference temperatures of its effects and without the joints at home.
-pub(crate) fn surroundings(r: &Reader<'_>, document: &MechanismDocument) -> Result<Surroundings, FileError> {
+/// The environment of a document, without the reference temperatures of its effects and without the joints at home.
+pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Result<Environment, FileError> {
     let reference = document.reference_temperature;
     let platform = document.platform.as_ref();
     let point = |place: &str, p: Option<[f64; 3]>| p.map(|v| r.point(place, &v)).transpose();
@@ -26,7 +26,7 @@ pub(crate) fn surroundings(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         }
         sensors.push(sensor);
     }
-    Ok(Surroundings {
+    Ok(Environment {
         reference_temperature: reference.map(|v| r.finite("reference_temperature_degC", v)).transpose()?,
         references: BTreeMap::new(),
         mass: mass.map(|v| r.known("[platform] mass_kg", v)).transpose()?,

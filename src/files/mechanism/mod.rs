@@ -1,4 +1,5 @@
-//! TODO
+//! Mechanism files in TOML: `document` is what a file says, sections as they are written; `read` makes a mechanism of it,
+//! with units and places in every error. Each kind, each further section has a file of its own.
 
 pub(crate) mod document;
 pub(crate) mod effects;

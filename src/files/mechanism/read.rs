@@ -5,12 +5,12 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use crate::conditions::Conditions;
-use crate::effect::Surroundings;
+use crate::effect::Environment;
 use crate::files::error::FileError;
 use crate::files::machine::{Machine, POSE, SIX_HARDPOINT};
 use crate::files::mechanism::document::{LegEntry, MechanismDocument, ToleranceSection};
 use crate::files::mechanism::effects::{Effects, with_effects};
-use crate::files::mechanism::environment::surroundings;
+use crate::files::mechanism::environment::environment;
 use crate::files::mechanism::kinds::{self, KINDS, check_keys};
 use crate::files::mechanism::positioner::pose_positioner;
 use crate::files::table::joint_columns::check_joints;
@@ -319,8 +319,8 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
     let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
     let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
-    let surroundings = Surroundings { home_joints, ..surroundings(r, &document)? };
-    let Effects { mechanism, instrument, surroundings } = with_effects(r, &document, mechanism, surroundings)?;
+    let environment = Environment { home_joints, ..environment(r, &document)? };
+    let Effects { mechanism, instrument, environment } = with_effects(r, &document, mechanism, environment)?;
     warnings.extend(check_joints(r, &document)?);
     Ok(Machine {
         path: path.into(),
@@ -331,7 +331,7 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         noise,
         targets,
         contact,
-        surroundings,
+        environment,
         instrument,
         length_unit: r.length,
         angle_unit: r.angle,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::conditions::Conditions;
-use crate::effect::{ActiveEffect, SeenThrough};
+use crate::effect::{ActiveEffect, WithInstrumentEffects};
 use crate::files::error::FileError;
 use crate::files::machine::{Machine, POSE};
 use crate::files::table::column::Meaning;
@@ -88,7 +88,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
         }
     };
     let as_read = Dataset::new(samples, model, noise);
-    let data = SeenThrough::wrap(&as_read, machine.plain(), &machine.surroundings, &machine.instrument)
+    let data = WithInstrumentEffects::wrap(&as_read, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
     let instrument = machine.instrument.clone();
     Ok(Measurement { data, as_read, targets: measured_targets, contacts: measured_contacts, instrument, warnings })
@@ -145,7 +145,7 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
         };
         commands.push(values);
     }
-    Conditions::put_in_run(&mut states, commands.clone(), machine.surroundings.home_joints.as_deref());
+    Conditions::put_in_run(&mut states, commands.clone(), machine.environment.home_joints.as_deref());
     let label = |row: usize| id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
     let sample = |(row, (joints, conditions))| Sample { id: label(row), row, joints, conditions };
     Ok(commands.into_iter().zip(states).enumerate().map(sample).collect())

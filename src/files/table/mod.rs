@@ -1,4 +1,5 @@
-//! TODO
+//! Tables in CSV: columns whose names carry the unit, cells, and what they mean (readings, operating states, lists of
+//! poses); and the writer.
 
 pub(crate) mod column;
 pub(crate) mod joint_columns;

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
 use crate::conditions::Conditions;
-use crate::effect::Setting;
+use crate::effect::EffectContext;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::table::column::Meaning;
@@ -82,15 +82,15 @@ impl Machine {
 
     /// The conditions of the reference campaign of so many rows, outside of a run.
     pub fn reference_conditions(&self, rows: usize) -> Vec<Conditions> {
-        let setting = Setting::new(self.plain(), self.surroundings());
-        let mut bodies: Vec<(String, Option<Body>)> = match setting.joints_are_lengths() && !setting.is_pose_space() {
-            true => (0..setting.joints()).map(|leg| (Setting::leg_temperature(leg), None)).collect(),
+        let context = EffectContext::new(self.plain(), self.environment());
+        let mut bodies: Vec<(String, Option<Body>)> = match context.joints_are_lengths() && !context.is_pose_space() {
+            true => (0..context.joints()).map(|leg| (EffectContext::leg_temperature(leg), None)).collect(),
             false => vec![("temp_legs".into(), None)],
         };
         bodies.push(("temp_platform".into(), Some(Body::Platform)));
         bodies.push(("temp_base".into(), Some(Body::Base)));
-        bodies.extend(self.surroundings().sensors.iter().map(|s| (s.covariate.clone(), Some(s.body))));
-        let level = self.surroundings().reference_temperature.unwrap_or(LEVEL);
+        bodies.extend(self.environment().sensors.iter().map(|s| (s.covariate.clone(), Some(s.body))));
+        let level = self.environment().reference_temperature.unwrap_or(LEVEL);
         let axis = self.document.gravity_axis.unwrap_or_default();
         let state = |row: usize| {
             let passed = row as f64 / rows.saturating_sub(1).max(1) as f64;
@@ -132,7 +132,7 @@ impl Machine {
                 state.covariates.remove("time");
             }
         }
-        Conditions::put_in_run(&mut states, joints.clone(), self.surroundings().home_joints.as_deref());
+        Conditions::put_in_run(&mut states, joints.clone(), self.environment().home_joints.as_deref());
         let sample = |(row, (joints, conditions))| Sample { id: None, row, joints, conditions };
         Ok(joints.into_iter().zip(states).enumerate().map(sample).collect())
     }

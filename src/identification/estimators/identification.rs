@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::judgement::goodness_of_fit::Misfit;
+use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::problem::calibration_problem::{CalibrationProblem, Weights};
 use crate::identification::{IdentifyError, Prior, Task};
 use crate::mechanism::ParameterSpec;
@@ -42,7 +42,7 @@ pub struct Identification {
     /// Estimated σ of the readings over the stated one; 1 where the stated noise is taken as known.
     pub noise_scale: f64,
     /// Test of the residuals against the noise.
-    pub misfit: Misfit,
+    pub misfit: GoodnessOfFit,
     /// Weight of each sample; below one only in robust fits.
     pub weights: Vec<f64>,
     /// Samples (positions in the data) that a robust fit judges to be gross errors.
@@ -86,9 +86,9 @@ impl Identification {
                 problem.covariance_through(&pseudo_inverse) * noise_scale.powi(2)
             }
         };
-        let misfit = match Misfit::at(task, &solution.x, problem.poses(), &outliers) {
+        let misfit = match GoodnessOfFit::at(task, &solution.x, problem.poses(), &outliers) {
             // Data that were misread can lead to a model that does not reach its own samples.
-            Err(IdentifyError::Solve(_)) => Misfit::beyond_measure(task),
+            Err(IdentifyError::Solve(_)) => GoodnessOfFit::beyond_measure(task),
             other => other?,
         };
         if !misfit.noise_known && misfit.degrees_of_freedom == 0 {
@@ -96,7 +96,7 @@ impl Identification {
             determined.fill(false);
         }
         let specs = task.mechanism.parameters();
-        let own = task.data.model().own_parameters();
+        let own = task.data.model().nuisance_parameters();
         let start = problem.start();
         let estimate = |(k, spec): (usize, &ParameterSpec)| Estimate {
             spec: spec.clone(),

@@ -112,7 +112,7 @@ impl Identifier for LevenbergMarquardt {
 /// values. `None` if it is another, or if the run does not converge.
 fn values(task: &Task<'_>, method: LeastSquaresMethod, options: &LeastSquaresOptions) -> Option<Vec<f64>> {
     let n = task.mechanism.parameters().len();
-    let unknowns = n + task.data.model().own_parameters().len();
+    let unknowns = n + task.data.model().nuisance_parameters().len();
     if task.prior != PriorPolicy::None || task.data.row_count() < unknowns || task.mechanism.equations() > 6 {
         return None;
     }
@@ -204,7 +204,7 @@ fn to_go(solution: &LeastSquaresSolution) -> f64 {
 /// # Errors
 /// [`IdentifyError::TooFewRows`] if the data alone cannot determine the parameters and there is no prior.
 pub fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, IdentifyError> {
-    let own = task.data.model().own_parameters().len();
+    let own = task.data.model().nuisance_parameters().len();
     if task.data.row_count() == 0 {
         return Err(IdentifyError::Empty);
     }

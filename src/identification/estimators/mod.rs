@@ -1,4 +1,4 @@
-//! TODO
+//! Implementations of the trait [`Identifier`](identifiers::Identifier), and what they return.
 
 pub(crate) mod identification;
 pub(crate) mod identifiers;

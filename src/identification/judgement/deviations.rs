@@ -7,7 +7,7 @@ use crate::identification::judgement::model_errors::each_sample;
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{Mechanism, MotionBlock, characteristic_length};
 use crate::pose::Pose;
-use crate::solve::shortest_solution;
+use crate::solve::minimum_norm;
 
 /// What one sample misses the model by.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub fn deviations(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Res
 fn motion(rows: &Rows, arm: f64) -> Vector6<f64> {
     let mut a = rows.motion.clone();
     a.columns_mut(3, 3).unscale_mut(arm);
-    let mut motion = shortest_solution(a, &-&rows.residual);
+    let mut motion = minimum_norm(a, &-&rows.residual);
     motion.rows_mut(3, 3).unscale_mut(arm);
     Vector6::from_iterator(motion.iter().copied())
 }
@@ -72,5 +72,5 @@ fn in_joints(
     a.rows_mut(3, 3).scale_mut(arm);
     let mut b = DVector::from_column_slice(motion.as_slice());
     b.rows_mut(3, 3).scale_mut(arm);
-    shortest_solution(a, &b).iter().copied().collect()
+    minimum_norm(a, &b).iter().copied().collect()
 }

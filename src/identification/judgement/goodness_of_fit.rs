@@ -14,7 +14,7 @@ use crate::pose::Pose;
 /// is then one of the model and not of the estimator: neither a prior nor unweighted rows, which leave more
 /// residual than necessary, change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Misfit {
+pub struct GoodnessOfFit {
     /// Length squared of the projected whitened residual, for the noise as stated.
     pub chi_square: f64,
     /// Rows less the rank of the Jacobian.
@@ -23,7 +23,7 @@ pub struct Misfit {
     pub noise_known: bool,
 }
 
-impl Misfit {
+impl GoodnessOfFit {
     /// The test at `x`, where the samples have these `poses`, without the samples at the positions `left_out`.
     pub(crate) fn at(
         task: &Task<'_>,

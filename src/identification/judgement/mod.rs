@@ -1,4 +1,5 @@
-//! TODO
+//! How far a result can be trusted: misfit, plausibility, directions that the poses do not determine, errors on rows that
+//! were not fitted, and predicted errors over the workspace.
 
 pub(crate) mod deviations;
 pub(crate) mod goodness_of_fit;

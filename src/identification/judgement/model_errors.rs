@@ -8,7 +8,7 @@ use crate::pose::Pose;
 
 /// Error of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PoseErrors {
+pub struct SampleError {
     /// 0-based data row.
     pub row: usize,
     /// Length of the position error, m (RMS over the targets if there are several); `None` if no position was
@@ -18,7 +18,7 @@ pub struct PoseErrors {
     pub rotation: Option<f64>,
 }
 
-impl PoseErrors {
+impl SampleError {
     /// From the rows of a reading, predicted minus measured or the other way round.
     fn of(row: usize, readings: &[(RowKind, f64)]) -> Self {
         let sum = |kind: RowKind| {
@@ -42,17 +42,17 @@ pub struct ErrorSummary {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelErrors {
     /// By sample, in the order of the data.
-    pub samples: Vec<PoseErrors>,
+    pub samples: Vec<SampleError>,
 }
 
 impl ModelErrors {
     /// The lengths of deviations.
     pub fn of(deviations: &[Deviation]) -> Self {
-        Self { samples: deviations.iter().map(|d| PoseErrors::of(d.row, &d.readings)).collect() }
+        Self { samples: deviations.iter().map(|d| SampleError::of(d.row, &d.readings)).collect() }
     }
 
     fn over(&self, f: impl Fn(&[f64]) -> f64) -> ErrorSummary {
-        let collect = |get: fn(&PoseErrors) -> Option<f64>| {
+        let collect = |get: fn(&SampleError) -> Option<f64>| {
             let values: Vec<f64> = self.samples.iter().filter_map(get).collect();
             (!values.is_empty()).then(|| f(&values))
         };
@@ -85,7 +85,7 @@ impl ModelErrors {
 pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
     let samples = each_sample(mechanism, own, data, |k, _, rows| {
         let readings: Vec<(RowKind, f64)> = data.rows(k).into_iter().zip(rows.residual.iter().copied()).collect();
-        PoseErrors::of(data.sample(k).row, &readings)
+        SampleError::of(data.sample(k).row, &readings)
     })?;
     Ok(ModelErrors { samples })
 }
@@ -97,7 +97,7 @@ pub(crate) fn each_sample<T>(
     data: &Dataset,
     look: impl Fn(usize, &Pose, &Rows) -> T,
 ) -> Result<Vec<T>, IdentifyError> {
-    let count = data.model().own_parameters().len();
+    let count = data.model().nuisance_parameters().len();
     let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
     let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
     let sample = |(k, pose): (usize, &Pose)| {

@@ -7,7 +7,7 @@ use crate::units::{shortened, show_probability};
 
 /// May the result be used?
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct CalibrationVerdict {
     /// True if nothing speaks against it.
     pub trusted: bool,
     /// What speaks against it, one sentence each.
@@ -16,7 +16,7 @@ pub struct Verdict {
     pub warnings: Vec<String>,
 }
 
-impl Verdict {
+impl CalibrationVerdict {
     /// Adds a reason not to trust the result.
     pub(crate) fn distrust(&mut self, reason: String) {
         self.trusted = false;
@@ -28,7 +28,12 @@ impl Verdict {
 const MISFIT: f64 = 1e-6;
 
 /// What the identification itself says.
-pub(crate) fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identification, converged: bool) -> Verdict {
+pub(crate) fn judge(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    found: &Identification,
+    converged: bool,
+) -> CalibrationVerdict {
     let mut reasons = Vec::new();
     if !converged {
         reasons.push("the iteration did not converge".into());
@@ -68,7 +73,7 @@ pub(crate) fn judge(mechanism: &dyn Mechanism, data: &Dataset, found: &Identific
         let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
         warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
     }
-    Verdict { trusted: reasons.is_empty(), reasons, warnings }
+    CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
 }
 
 /// Adds what the whole calibration says.

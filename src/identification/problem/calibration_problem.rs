@@ -57,7 +57,7 @@ impl<'a> CalibrationProblem<'a> {
         if data.is_empty() {
             return Err(IdentifyError::Empty);
         }
-        let own = data.model().own_parameters().len();
+        let own = data.model().nuisance_parameters().len();
         let redundancy = Redundancy::of(mechanism, data.noise.joint);
         // Closure residuals are lengths.
         let extra = vec![RowKind::Position; redundancy.as_ref().map_or(0, Redundancy::rows)];

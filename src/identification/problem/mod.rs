@@ -1,4 +1,5 @@
-//! TODO
+//! The least-squares problem of a calibration: residuals from full forward kinematics, columns from `J_b`, rows whitened by
+//! the noise, tolerances as a prior.
 
 pub(crate) mod calibration_problem;
 pub(crate) mod prior;

@@ -36,7 +36,7 @@ const HOLD: f64 = 1e-3;
 /// What the tolerances say about rigid motions of all platform points or all base points, that is about where the
 /// target sits and where the tracker stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Convention {
+pub enum FrameConvention {
     /// The data are in the base frame and the platform frame: points that move together are held by their
     /// tolerances like any others.
     #[default]
@@ -93,13 +93,13 @@ impl Prior {
     ///
     /// # Errors
     /// [`IdentifyError::NoTolerance`] if no parameter has one.
-    pub fn from_tolerance(mechanism: &dyn Mechanism, convention: Convention) -> Result<Self, IdentifyError> {
+    pub fn from_tolerance(mechanism: &dyn Mechanism, convention: FrameConvention) -> Result<Self, IdentifyError> {
         let Rigid { known, scale, q } = Rigid::of(mechanism);
         if known.is_empty() {
             return Err(IdentifyError::NoTolerance);
         }
         let mut precision = DMatrix::identity(known.len(), known.len());
-        if let (Convention::Free, Some(q)) = (convention, q) {
+        if let (FrameConvention::Free, Some(q)) = (convention, q) {
             precision -= &q * q.transpose() * (1.0 - 1.0 / WIDE);
         }
         let mut rows = DMatrix::zeros(known.len(), scale.len());

@@ -34,7 +34,7 @@ mod tests;
 mod ticks;
 mod tinted;
 
-pub use scene::{Arrow, Dot, Outline, Scene, Segment, Triad, View};
+pub use scene::{Arrow, Dot, LineSegment, Scene, Silhouette, Triad, View};
 
 /// One picture of one or more panels.
 #[derive(Clone, Debug, Default, PartialEq)]

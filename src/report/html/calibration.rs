@@ -1,9 +1,9 @@
 //! The page of `calibrate`.
 
 use super::page::{Page, Part, Section, Tone, known};
-use super::pictures::{Layer, Seen, correlation, deviations, gross, strips};
+use super::pictures::{Layer, ModelResiduals, correlation, deviations, gross, strips};
 use super::{Measured, Subject};
-use crate::identification::{Calibration, ModelErrors, PoseErrors};
+use crate::identification::{Calibration, ModelErrors, SampleError};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
 use crate::units::{shortened, show_angle, show_length};
@@ -22,7 +22,7 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
         (false, _) => ("The result must not be trusted", Tone::Bad),
     };
-    let residuals = measured.models.first().map(Seen::in_joints).unwrap_or_default();
+    let residuals = measured.models.first().map(ModelResiduals::in_joints).unwrap_or_default();
     let mut marked = gross(&residuals);
     marked.extend(&found.outliers);
     marked.sort_unstable();
@@ -62,10 +62,10 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
 }
 
 /// The numbers of the first screen, without gross rows.
-fn numbers(c: &Calibration, models: &[Seen], marked: &[usize]) -> Vec<(String, String)> {
+fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[usize]) -> Vec<(String, String)> {
     let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
     let rms = |k: usize| {
-        let usual = |s: &&PoseErrors| !marked.contains(&s.row);
+        let usual = |s: &&SampleError| !marked.contains(&s.row);
         let samples = models.get(k).map(|m| m.errors.samples.iter().filter(usual).copied().collect());
         ModelErrors { samples: samples.unwrap_or_default() }.rms()
     };

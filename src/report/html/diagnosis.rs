@@ -3,13 +3,13 @@
 use super::Subject;
 use super::page::{Page, Part, Section, Tone, known};
 use super::pictures::{Layer, added_variable, drawing, gain, sizes, strips};
-use crate::diagnosis::{Cause, Diagnosis, Plan, Rival, Verdict};
+use crate::diagnosis::{Cause, Diagnosis, MeasurementPlan, Rival, Verdict};
 use crate::measurement::Dataset;
 use crate::report::text;
 use crate::units::{show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// A diagnosis of data, with the measurements that would settle what is open.
-pub fn diagnosis(d: &Diagnosis, plans: &[Plan], subject: &Subject<'_>, data: &Dataset) -> Page {
+pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>, data: &Dataset) -> Page {
     let title = subject.mechanism.name();
     let tone = match d.verdict {
         Verdict::Clean if text::understated(d).is_some() => Tone::Mind,
@@ -133,7 +133,7 @@ fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
             c.effect.clone(),
             format!("{}{}", r.effect, place.into_iter().flatten().collect::<String>()),
             format!("{} (SI)", values.join(", ")),
-            three_digits(r.behind),
+            three_digits(r.log_bayes_factor),
             three_digits(r.separability),
         ]
     };

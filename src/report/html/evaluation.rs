@@ -1,7 +1,7 @@
 //! The page of `evaluate`.
 
 use super::page::{Page, Part, Section, Tone, known};
-use super::pictures::{Layer, Seen, gross, strips};
+use super::pictures::{Layer, ModelResiduals, gross, strips};
 use super::{Measured, Subject};
 use crate::identification::ModelErrors;
 use crate::report::text;
@@ -19,7 +19,7 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
         ("angle error, RMS", rms.rotation.map(show_angle)),
         ("largest", max.rotation.map(show_angle)),
     ];
-    let marked = gross(&measured.models.first().map(Seen::in_joints).unwrap_or_default());
+    let marked = gross(&measured.models.first().map(ModelResiduals::in_joints).unwrap_or_default());
     let models = measured.models.iter().enumerate();
     let layers: Vec<Layer<'_>> =
         models.map(|(colour, seen)| Layer { name: &seen.name, colour, residuals: seen.in_joints() }).collect();

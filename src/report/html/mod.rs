@@ -17,7 +17,7 @@ pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
 pub(crate) use page::shell;
 pub use page::{Page, Part, Section, Tone};
-pub use pictures::Seen;
+pub use pictures::ModelResiduals;
 pub use selection::selection;
 
 use pictures::{Displacements, by_row, drawing, histograms, maps};
@@ -56,7 +56,7 @@ impl Subject<'_> {
 impl Measured<'_> {
     /// Where the models are wrong and by how much; `marked` rows look like gross errors.
     fn pictures(&self, subject: &Subject<'_>, marked: &[usize]) -> Vec<Part> {
-        let models: Vec<&Seen> = self.models.iter().collect();
+        let models: Vec<&ModelResiduals> = self.models.iter().collect();
         let noise = self.noise(subject.noise);
         let mut pictures = vec![
             Part::picture(by_row(&models, noise, marked)),
@@ -91,5 +91,5 @@ pub struct Measured<'a> {
     /// The samples.
     pub data: &'a Dataset,
     /// The samples through each model, the best one first.
-    pub models: &'a [Seen],
+    pub models: &'a [ModelResiduals],
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{errors, motion, real};
 use crate::diagnosis::{Cause, Diagnosis, Unknown};
-use crate::effect::Acts;
+use crate::effect::ActsOn;
 use crate::pose::Pose;
 
 /// The object of `diagnose`.
@@ -67,7 +67,7 @@ fn cause(c: &Cause) -> Value {
         .iter()
         .map(|r| {
             json!({
-                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "behind": real(r.behind),
+                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "behind": real(r.log_bayes_factor),
                 "separability": real(r.separability),
             })
         })
@@ -76,7 +76,7 @@ fn cause(c: &Cause) -> Value {
         "effect": c.effect,
         "cause": c.cause,
         "remedy": c.remedy,
-        "acts_on": if c.acts_on == Acts::Mechanism { "mechanism" } else { "measurement" },
+        "acts_on": if c.acts_on == ActsOn::Mechanism { "mechanism" } else { "measurement" },
         "leg": c.leg.map(|leg| leg + 1),
         "of": c.of,
         "parameters": parameters,

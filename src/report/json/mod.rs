@@ -14,7 +14,7 @@ use crate::mechanism::ParameterRole;
 use crate::observability::PredictedError;
 use crate::pose::Pose;
 use crate::report::text::{Inspection, Selection};
-use crate::selection::Report;
+use crate::selection::ChosenSet;
 use crate::units::Dimension;
 
 /// A number, or `null` if it is not finite.
@@ -105,7 +105,7 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
 
 /// The object of `evaluate`.
 pub fn evaluation(e: &ModelErrors) -> Value {
-    let row = |s: &crate::identification::PoseErrors| json!({ "row": s.row, "position_m": s.position.map(real), "rotation_rad": s.rotation.map(real) });
+    let row = |s: &crate::identification::SampleError| json!({ "row": s.row, "position_m": s.position.map(real), "rotation_rad": s.rotation.map(real) });
     json!({
         "rows": e.samples.len(),
         "rms": errors(&e.rms()),
@@ -127,7 +127,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
             "joint_range": s.joint_range, "worst_condition": real(s.worst_condition),
         })
     });
-    let outlook = i.prospect.as_ref().map(|p| {
+    let outlook = i.preview.as_ref().map(|p| {
         let covariance = &p.forecast.covariance;
         let sigma: Vec<f64> = p.scale.iter().enumerate().map(|(k, s)| s * covariance[(k, k)].sqrt()).collect();
         json!({
@@ -156,7 +156,7 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
 /// The object of `select`; `poses` are the coordinates of the chosen poses, m and rad.
 pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
     let r = s.report;
-    let row = |r: &Report| {
+    let row = |r: &ChosenSet| {
         json!({
             "n": r.poses.len(), "value": real(r.value), "bound": r.bound.map(real), "efficiency": r.efficiency.map(real),
             "predicted": r.forecast.as_ref().map(|f| predicted(&f.error)),

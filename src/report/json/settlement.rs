@@ -3,12 +3,12 @@
 use serde_json::{Map, Value, json};
 
 use super::real;
-use crate::diagnosis::{Diagnosis, NotFound, NotTestable, Plan};
+use crate::diagnosis::{Diagnosis, MeasurementPlan, NotFound, NotTestable};
 use crate::report::text::CampaignLimits;
 
 /// The object of `settle`.
-pub fn settlement(found: &Diagnosis, plans: &[Plan]) -> Value {
-    let plan = |p: &Plan| {
+pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan]) -> Value {
+    let plan = |p: &MeasurementPlan| {
         let pairs: Vec<Value> = p
             .separations
             .iter()

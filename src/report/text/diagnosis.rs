@@ -3,7 +3,7 @@
 use super::settlement::limit_table;
 use super::{errors_row, table};
 use crate::diagnosis::{Cause, Diagnosis, Unknown, Verdict};
-use crate::effect::Acts;
+use crate::effect::ActsOn;
 use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
@@ -163,11 +163,11 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
         text += &format!(
             "  not excluded: {} ({} nats behind; separability {}, about 10 is needed)\n",
             name_of(d, &r.effect, r.leg),
-            three_digits(r.behind),
+            three_digits(r.log_bayes_factor),
             three_digits(r.separability)
         );
     }
-    if c.acts_on == Acts::Measurement {
+    if c.acts_on == ActsOn::Measurement {
         text += "  it moves the readings and not the platform\n";
     }
     text + &format!("  what to do: {}\n", c.remedy)

@@ -6,7 +6,7 @@ use super::{SHOWN, table};
 use crate::identification::WeakDirection;
 use crate::mechanism::{Mechanism, Survey};
 use crate::pose::PoseConvention;
-use crate::selection::Prospect;
+use crate::selection::Preview;
 use crate::units::{Dimension, fixed, show_angle, show_length, show_quantity, three_digits};
 
 /// What `inspect` found.
@@ -30,7 +30,7 @@ pub struct Inspection<'a> {
     /// Extremes over the workspace.
     pub survey: Option<Survey>,
     /// What 20 poses could tell.
-    pub prospect: Option<Prospect>,
+    pub preview: Option<Preview>,
     /// Directions that they would not decide.
     pub weak: Vec<WeakDirection>,
     /// What the user should know.
@@ -104,8 +104,8 @@ pub fn inspection(i: &Inspection<'_>) -> String {
         .survey
         .as_ref()
         .map_or_else(|| "\n".into(), |s| format!(", at most {:.2} over the workspace\n", s.worst_condition));
-    if let Some(p) = &i.prospect {
-        text += &prospect(i.mechanism, p, &i.weak);
+    if let Some(p) = &i.preview {
+        text += &preview(i.mechanism, p, &i.weak);
     }
     for w in &i.warnings {
         text += &format!("\nNote: {w}.");
@@ -113,7 +113,7 @@ pub fn inspection(i: &Inspection<'_>) -> String {
     text.trim_end().to_owned()
 }
 
-fn prospect(mechanism: &dyn Mechanism, p: &Prospect, weak: &[WeakDirection]) -> String {
+fn preview(mechanism: &dyn Mechanism, p: &Preview, weak: &[WeakDirection]) -> String {
     let f = &p.forecast;
     let total = mechanism.parameters().len();
     let mut text = format!("\nWhat {} well chosen poses of the workspace could tell:\n", p.poses.len());
@@ -136,7 +136,7 @@ fn prospect(mechanism: &dyn Mechanism, p: &Prospect, weak: &[WeakDirection]) -> 
 }
 
 /// RMS of the predicted σ of the parameters, for each dimension that they have.
-fn sigmas(mechanism: &dyn Mechanism, p: &Prospect) -> Vec<String> {
+fn sigmas(mechanism: &dyn Mechanism, p: &Preview) -> Vec<String> {
     let specs = mechanism.parameters();
     let mut dimensions: Vec<Dimension> = Vec::new();
     for spec in specs {

@@ -3,7 +3,7 @@
 use super::settlement::{CampaignLimits, campaign_limits};
 use super::table;
 use crate::observability::Scaling;
-use crate::selection::{Report, Requirement};
+use crate::selection::{ChosenSet, Requirement};
 use crate::units::{show_angle, show_length};
 
 /// What `select` chose.
@@ -11,7 +11,7 @@ pub struct Selection<'a> {
     /// Name of the mechanism.
     pub title: &'a str,
     /// The choice.
-    pub report: &'a Report,
+    pub report: &'a ChosenSet,
     /// Units of the index.
     pub scaling: Scaling,
     /// Name of the selector.
@@ -19,7 +19,7 @@ pub struct Selection<'a> {
     /// How many of the poses were given.
     pub given: usize,
     /// Choices for other numbers of poses.
-    pub table: &'a [Report],
+    pub table: &'a [ChosenSet],
     /// What was required.
     pub requirement: Option<&'a Requirement>,
     /// What a diagnosis of these poses would see, if that was asked.
@@ -90,7 +90,7 @@ pub fn selection(s: &Selection<'_>) -> String {
 }
 
 /// A row of the table of numbers of poses: number, index, efficiency, predicted errors.
-pub(in crate::report) fn number_row(r: &Report) -> Vec<String> {
+pub(in crate::report) fn number_row(r: &ChosenSet) -> Vec<String> {
     let e = r.forecast.as_ref().map(|f| f.error);
     vec![
         r.poses.len().to_string(),
@@ -102,7 +102,7 @@ pub(in crate::report) fn number_row(r: &Report) -> Vec<String> {
 }
 
 /// The first number of poses from which the predicted error falls by less than a hundredth for each pose more.
-fn pays_until(table: &[Report]) -> Option<usize> {
+fn pays_until(table: &[ChosenSet]) -> Option<usize> {
     let errors: Vec<(usize, f64)> =
         table.iter().filter_map(|r| Some((r.poses.len(), r.forecast.as_ref()?.error.position_rms))).collect();
     let ahead = 5;

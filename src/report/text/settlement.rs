@@ -1,12 +1,12 @@
 //! Measurements that settle a tie, and what a campaign would see, in words.
 
 use super::table;
-use crate::diagnosis::{Diagnosis, NotFound, NotTestable, Plan, TOLD_APART};
+use crate::diagnosis::{Diagnosis, MeasurementPlan, NotFound, NotTestable, TOLD_APART};
 use crate::measurement::Noise;
 use crate::units::{show_angle, show_length, show_quantity, three_digits};
 
 /// The plans, best first.
-pub fn settlement(found: &Diagnosis, plans: &[Plan], title: &str) -> String {
+pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> String {
     if plans.is_empty() {
         let word = found.verdict.word();
         return format!("{title}: the verdict is {word}; there is no tie to settle\n");

@@ -1,7 +1,7 @@
 //! Machines with everything that effects ask for, and every effect of the catalogue with values.
 
 use paracal::conditions::Conditions;
-use paracal::effect::{Acts, Effect, Recorded, Scan, ScanPoint, Setting, catalogue};
+use paracal::effect::{ActsOn, AvailableData, Effect, EffectContext, Scan, ScanPoint, catalogue};
 use paracal::files::{EffectEntry, Machine};
 use paracal::nalgebra::Vector3;
 use paracal::pose::Pose;
@@ -56,9 +56,9 @@ pub fn state(joints: &[f64]) -> Conditions {
 }
 
 /// A place for an effect in its scan.
-fn place(effect: &dyn Effect, setting: &Setting<'_>) -> ScanPoint {
-    let everything = Recorded::everything(setting, &ScanPoint::none());
-    match effect.scan(setting, &everything) {
+fn place(effect: &dyn Effect, context: &EffectContext<'_>) -> ScanPoint {
+    let everything = AvailableData::everything(context, &ScanPoint::none());
+    match effect.scan(context, &everything) {
         Scan::None => ScanPoint::none(),
         Scan::Legs => ScanPoint::leg(3),
         Scan::Rows => ScanPoint { row: Some(1), ..ScanPoint::none() },
@@ -72,11 +72,11 @@ fn place(effect: &dyn Effect, setting: &Setting<'_>) -> ScanPoint {
 
 /// Every effect that a machine can have, with values of their usual size.
 pub fn entries(machine: &Machine) -> Vec<EffectEntry> {
-    let setting = Setting::new(machine.plain(), machine.surroundings());
+    let context = EffectContext::new(machine.plain(), machine.environment());
     let mut all = Vec::new();
     for effect in catalogue() {
-        let at = place(effect.as_ref(), &setting);
-        if !effect.missing(&setting, &Recorded::everything(&setting, &at)).is_empty() {
+        let at = place(effect.as_ref(), &context);
+        if !effect.missing(&context, &AvailableData::everything(&context, &at)).is_empty() {
             continue;
         }
         let size = |(k, p): (usize, paracal::effect::EffectParameter)| (p.name, p.scale * (1.0 - 0.3 * k as f64));
@@ -85,7 +85,7 @@ pub fn entries(machine: &Machine) -> Vec<EffectEntry> {
             leg: at.leg.map(|leg| leg + 1),
             row: at.row,
             of: at.covariate.clone(),
-            parameters: effect.parameters(&setting).into_iter().enumerate().map(size).collect(),
+            parameters: effect.parameters(&context).into_iter().enumerate().map(size).collect(),
             ..EffectEntry::default()
         });
     }
@@ -94,7 +94,7 @@ pub fn entries(machine: &Machine) -> Vec<EffectEntry> {
 
 /// True if an effect moves the platform.
 pub fn moves(entry: &EffectEntry) -> bool {
-    paracal::effect::effect(&entry.name).unwrap().acts_on() == Acts::Mechanism
+    paracal::effect::effect(&entry.name).unwrap().acts_on() == ActsOn::Mechanism
 }
 
 /// The machine of a text with further effects.

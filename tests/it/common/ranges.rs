@@ -60,7 +60,7 @@ impl MeasurementModel for Ranges {
     fn rows(&self, _sample: usize) -> Vec<RowKind> {
         vec![RowKind::Position; self.pairs().count()]
     }
-    fn own_parameters(&self) -> &[ParameterSpec] {
+    fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.own
     }
     fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {

@@ -10,9 +10,9 @@ use crate::common::hidden::hexapod::Geometry;
 use crate::common::hidden::limits::NOISE;
 use crate::common::hidden::mistakes::FORMS;
 use crate::common::hidden::run::{Row, Run, Weather, normal};
-use crate::common::hidden::strangers;
 use crate::common::hidden::text::Sheet;
-use paracal::diagnosis::{Cause, Diagnosis, JointResiduals, Plan, Verdict, settle};
+use crate::common::hidden::unlisted_effects;
+use paracal::diagnosis::{Cause, Diagnosis, JointResiduals, MeasurementPlan, Verdict, settle};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -151,7 +151,7 @@ fn gross_errors_are_found_and_no_good_row() {
 
 #[test]
 fn what_no_catalogue_lists_is_unknown_over_the_right_covariate() {
-    examine(Kind::Outside(5.0), 0..strangers::NAMES.len(), |truth, found| {
+    examine(Kind::Outside(5.0), 0..unlisted_effects::NAMES.len(), |truth, found| {
         let Some(unknown) = &found.unknown else { return vec!["not unknown".into()] };
         // A leg whose length is uncertain depends on nothing, and a wave may fit it by chance.
         let covariate = truth.covariates.is_empty()
@@ -207,7 +207,7 @@ impl WarmUp {
     }
 
     /// Adds the samples of a plan, a minute apart after a pause. Temperatures count from where they did.
-    fn carry_out(&mut self, plan: &Plan) {
+    fn carry_out(&mut self, plan: &MeasurementPlan) {
         let pause = 2.0 * 3600.0;
         for (k, sample) in plan.samples.iter().enumerate() {
             let last = self.run.rows.last().unwrap();

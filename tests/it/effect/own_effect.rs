@@ -14,7 +14,8 @@ use paracal::conditions::Conditions;
 use paracal::conformance;
 use paracal::diagnosis::{Question, Verdict, diagnose};
 use paracal::effect::{
-    Acts, Effect, EffectParameter, Perturbation, Recorded, ScanPoint, Setting, Site, Surroundings, catalogue,
+    ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site,
+    catalogue,
 };
 use paracal::files::Machine;
 use paracal::units::Dimension;
@@ -57,21 +58,21 @@ fn an_effect_of_a_consumer_conforms() {
     let machine = table5();
     let data = example::measured(&machine).unwrap().subset(&[0, 20, 40, 60]);
     let effect: Arc<dyn Effect> = Arc::new(example::MotorHeat);
-    conformance::effect(&effect, machine.plain(), &Surroundings::default(), &data).unwrap();
+    conformance::effect(&effect, machine.plain(), &Environment::default(), &data).unwrap();
 }
 
 #[test]
 fn the_catalogue_conforms() {
     let files = reference();
-    let (mechanism, surroundings) = (files.machine.plain(), files.machine.surroundings());
+    let (mechanism, environment) = (files.machine.plain(), files.machine.environment());
     let data = &files.measurement.data;
     let mut tested: Vec<String> = Vec::new();
     for effect in catalogue() {
-        match conformance::effect(&effect, mechanism, surroundings, data) {
+        match conformance::effect(&effect, mechanism, environment, data) {
             Ok(()) => tested.push(effect.name().into()),
             Err(violation) if violation.law == "what an effect needs is there" => {
-                let setting = Setting::new(mechanism, surroundings);
-                let missing = effect.missing(&setting, &Recorded::of(data));
+                let context = EffectContext::new(mechanism, environment);
+                let missing = effect.missing(&context, &AvailableData::of(data));
                 assert!(!missing.is_empty(), "{}: {violation}", effect.name());
             }
             Err(violation) => panic!("{}: {violation}", effect.name()),
@@ -112,15 +113,15 @@ impl Effect for Broken {
         if matches!(self, Self::Silent) { " " } else { "mend it" }
     }
 
-    fn acts_on(&self) -> Acts {
-        if matches!(self, Self::Liar) { Acts::Measurement } else { Acts::Mechanism }
+    fn acts_on(&self) -> ActsOn {
+        if matches!(self, Self::Liar) { ActsOn::Measurement } else { ActsOn::Mechanism }
     }
 
-    fn missing(&self, _: &Setting<'_>, _: &Recorded) -> Vec<String> {
+    fn missing(&self, _: &EffectContext<'_>, _: &AvailableData) -> Vec<String> {
         Vec::new()
     }
 
-    fn parameters(&self, _: &Setting<'_>) -> Vec<EffectParameter> {
+    fn parameters(&self, _: &EffectContext<'_>) -> Vec<EffectParameter> {
         let count = if matches!(self, Self::Doubled) { 2 } else { 1 };
         vec![EffectParameter::new("growth", Dimension::Length, 1e-5); count]
     }
@@ -144,7 +145,7 @@ fn what_breaks_a_law_is_caught_and_told() {
     let law = |effect: Broken| {
         let effect: Arc<dyn Effect> = Arc::new(effect);
         let machine = &files.machine;
-        conformance::effect(&effect, machine.plain(), machine.surroundings(), &files.measurement.data)
+        conformance::effect(&effect, machine.plain(), machine.environment(), &files.measurement.data)
             .expect_err("it is broken")
             .to_string()
     };
@@ -167,7 +168,7 @@ fn an_effect_of_the_catalogue_does_nothing_where_nothing_is_known() {
     let files = reference();
     let machine = &files.machine;
     let (mechanism, joints) = (machine.plain(), &files.measurement.data.sample(3).joints);
-    let setting = Setting::new(mechanism, machine.surroundings());
+    let context = EffectContext::new(mechanism, machine.environment());
     let nothing = Conditions::unknown();
     let pose = mechanism.forward(mechanism.values(), joints, &nothing, &mechanism.home()).unwrap();
     let mut block = paracal::mechanism::MotionBlock::sized_for(mechanism);
@@ -179,7 +180,7 @@ fn an_effect_of_the_catalogue_does_nothing_where_nothing_is_known() {
             continue;
         }
         let site = Site {
-            setting: &setting,
+            context: &context,
             values: mechanism.values(),
             joints,
             pose: &pose,
@@ -187,7 +188,7 @@ fn an_effect_of_the_catalogue_does_nothing_where_nothing_is_known() {
             joint_motion: &block.joints,
         };
         let mut out = Perturbation::sized(mechanism.values().len(), joints.len());
-        let theta: Vec<f64> = effect.parameters(&setting).iter().map(|p| p.scale).collect();
+        let theta: Vec<f64> = effect.parameters(&context).iter().map(|p| p.scale).collect();
         let at = ScanPoint { row: Some(1), covariate: Some("temp_base".into()), ..ScanPoint::leg(0) };
         effect.perturb(&theta, &at, &site, &mut out);
         let all = out.parameters.iter().chain(&out.joints).chain(out.pose.iter());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::effects::{entries, hexapod, moves, pose_beside_home, positioner, read, state, with_effects};
 use paracal::conditions::Conditions;
-use paracal::effect::{Compensator, Setting, seen};
+use paracal::effect::{Compensator, EffectContext, seen};
 use paracal::files::{EffectEntry, Machine};
 use paracal::measurement::{Dataset, Frames, Noise, PoseMeasurement, Rows, Sample};
 use paracal::mechanism::{Body, Mechanism, MotionBlock};
@@ -126,8 +126,9 @@ fn readings_per_parameter_are_those_of_the_instrument() {
         let machine = with_effects(&text, &[entry]);
         let effects = machine.instrument();
         let wrapped =
-            paracal::effect::SeenThrough::wrap(&data, machine.plain(), machine.surroundings(), effects).unwrap();
-        let own = wrapped.model().own_parameters().len();
+            paracal::effect::WithInstrumentEffects::wrap(&data, machine.plain(), machine.environment(), effects)
+                .unwrap();
+        let own = wrapped.model().nuisance_parameters().len();
         let evaluate = |values: &[f64]| {
             let mut rows = Rows::sized(6, own);
             wrapped.model().evaluate(0, &pose, &Frames::default(), values, &mut rows);
@@ -145,8 +146,8 @@ fn readings_per_parameter_are_those_of_the_instrument() {
             assert!((numeric - rows.own.column(k)).norm() < 1e-4, "{}, {k}", effects[0].label());
         }
         // The same as a simulation sees.
-        let setting = Setting::new(machine.plain(), machine.surroundings());
-        let moved = pose.motion_to(&seen(effects, &setting, &joints, &pose, &at));
+        let context = EffectContext::new(machine.plain(), machine.environment());
+        let moved = pose.motion_to(&seen(effects, &context, &joints, &pose, &at));
         assert!(moved.amax() > 1e-6 && (moved.fixed_rows::<3>(0) - rows.residual.fixed_rows::<3>(0)).norm() < 1e-12);
     }
 }
@@ -220,7 +221,7 @@ fn scale_curvature_and_waves_are_those_of_the_length() {
     };
     // Home is where all legs are commanded to 800 mm.
     let commanded = [0.8, 0.81, 0.79, 0.805, 0.8125, 0.7901];
-    let home = |machine: &Machine| machine.surroundings().home_joints.clone().unwrap();
+    let home = |machine: &Machine| machine.environment().home_joints.clone().unwrap();
     let check = |effect: EffectEntry, wanted: &dyn Fn(f64, f64) -> f64| {
         let machine = machine(effect);
         close(&home(&machine), &[0.8; 6], 1e-9);
@@ -263,7 +264,7 @@ fn play_follows_the_commands_of_the_run() {
         ..EffectEntry::default()
     };
     let machine = machine(play);
-    let home = machine.surroundings().home_joints.clone().unwrap();
+    let home = machine.environment().home_joints.clone().unwrap();
     let at_home = |by: f64| -> Vec<f64> { home.iter().map(|h| h + by).collect() };
     let rows = vec![at_home(30e-6), at_home(15e-6), at_home(-10e-6)];
     let mut states = vec![unknown(); 3];
@@ -379,8 +380,8 @@ fn drifts_steps_and_sags_of_the_instrument() {
     Conditions::put_in_run(&mut states, vec![vec![0.8; 6]; 5], None);
     let motion = |effect: EffectEntry, at: &Conditions| {
         let machine = machine(effect);
-        let setting = Setting::new(machine.plain(), machine.surroundings());
-        pose.motion_to(&seen(machine.instrument(), &setting, &[0.8; 6], &pose, at))
+        let context = EffectContext::new(machine.plain(), machine.environment());
+        pose.motion_to(&seen(machine.instrument(), &context, &[0.8; 6], &pose, at))
     };
     // A turn about z moves a point at x = 1 m along y.
     let drift = motion(rigid("drift.frame"), &states[2]);
@@ -408,7 +409,7 @@ fn commands_of_every_effect_lead_to_the_wanted_poses() {
         for entry in entries(&plain).into_iter().filter(moves) {
             let machine = with_effects(&text, std::slice::from_ref(&entry));
             let mut compensator =
-                Compensator::new(machine.plain(), machine.surroundings(), &machine.effects(), false).unwrap();
+                Compensator::new(machine.plain(), machine.environment(), &machine.effects(), false).unwrap();
             if entry.name.starts_with("drift.") || entry.name.starts_with("step.") {
                 assert_eq!((compensator.left_out().len(), compensator.compensated().count()), (1, 0));
                 continue;
@@ -420,7 +421,7 @@ fn commands_of_every_effect_lead_to_the_wanted_poses() {
                 joints.push(found.joints);
             }
             let mut states = vec![state(&[0.8; 6]); targets.len()];
-            Conditions::put_in_run(&mut states, joints.clone(), machine.surroundings().home_joints.as_deref());
+            Conditions::put_in_run(&mut states, joints.clone(), machine.environment().home_joints.as_deref());
             for ((target, joints), at) in targets.iter().zip(&joints).zip(&states) {
                 let went = forward(machine.mechanism.as_ref(), joints, at);
                 let error = target.motion_to(&went).amax();
@@ -438,15 +439,15 @@ fn what_only_the_instrument_sees_is_compensated_on_demand() {
     let target = pose_beside_home(&machine);
     let command = |as_seen: bool| {
         let mut compensator =
-            Compensator::new(machine.plain(), machine.surroundings(), &machine.effects(), as_seen).unwrap();
+            Compensator::new(machine.plain(), machine.environment(), &machine.effects(), as_seen).unwrap();
         assert_eq!(compensator.left_out().len(), usize::from(!as_seen));
         compensator.command(&target, &at).unwrap()
     };
     close(&command(false).joints, &joints_at(&machine, &target), 0.0);
     let found = command(true);
     let went = forward(machine.plain(), &found.joints, &at);
-    let setting = Setting::new(machine.plain(), machine.surroundings());
-    let read = seen(machine.instrument(), &setting, &found.joints, &went, &at);
+    let context = EffectContext::new(machine.plain(), machine.environment());
+    let read = seen(machine.instrument(), &context, &found.joints, &went, &at);
     assert!(target.motion_to(&read).amax() < 1e-12 && target.motion_to(&went).amax() > 1e-4);
     assert!(target.motion_to(&found.seen).amax() < 1e-12);
 }
@@ -457,7 +458,7 @@ fn a_state_that_lacks_something_leaves_the_effect_out() {
     thermal.range.insert("temp_legs".into(), [15.0, 25.0]);
     let machine = machine(thermal);
     let target = pose_beside_home(&machine);
-    let mut compensator = Compensator::new(machine.plain(), machine.surroundings(), &machine.effects(), false).unwrap();
+    let mut compensator = Compensator::new(machine.plain(), machine.environment(), &machine.effects(), false).unwrap();
     let found = compensator.command(&target, &unknown()).unwrap();
     assert_eq!(found.lacking, [("thermal.legs.uniform".to_owned(), vec!["temp_legs".to_owned()])]);
     close(&found.joints, &joints_at(&machine, &target), 0.0);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::common::effects::{entries, hexapod, moves, pose_beside_home, positioner, read, state, with_effects};
 use paracal::conditions::Conditions;
-use paracal::effect::{ActiveEffect, Extended, Surroundings, effects_of};
+use paracal::effect::{ActiveEffect, Environment, Extended, effects_of};
 use paracal::files::{EffectEntry, Machine, read_measurement};
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, calibrate, evaluate};
 use paracal::measurement::{Dataset, Frames, Noise, PoseMeasurement, Sample};
@@ -81,7 +81,7 @@ fn what_an_entry_states_is_written_word_by_word() {
     for line in entry.lines() {
         assert!(text.contains(line), "'{line}' is not in:\n{text}");
     }
-    assert_eq!(machine.surroundings().references["temp_legs"], 20.3);
+    assert_eq!(machine.environment().references["temp_legs"], 20.3);
     let effects = machine.effects();
     assert_eq!((effects[0].at.leg, effects[0].values[0]), (Some(2), 1.25e-5));
     assert_eq!(effects[1].range["temp_legs"], [12.0, 25.0]);
@@ -176,7 +176,7 @@ fn effects_are_identified_and_the_written_file_is_the_same_machine() {
     effects[0].values = scales.to_vec();
     effects[1].values = vec![1.17e-5];
     let inner = common::true_mechanism(machine.plain());
-    let truth = Extended::new(inner, Arc::clone(machine.surroundings()), effects.clone());
+    let truth = Extended::new(inner, Arc::clone(machine.environment()), effects.clone());
     let (samples, went) = campaign(&machine, &truth, 40);
     let noise = Noise::stated(1e-6, 1e-6);
     let model = PoseMeasurement::full(PoseConvention::default(), &went, noise.position, noise.rotation);
@@ -193,18 +193,18 @@ fn effects_are_identified_and_the_written_file_is_the_same_machine() {
     }
     let document = machine.document_of(result.mechanism.as_ref(), None, &[], &Frames::default()).unwrap();
     let again = read(&document.to_text());
-    assert_eq!(again.surroundings().references["temp_legs"], 18.0);
+    assert_eq!(again.environment().references["temp_legs"], 18.0);
     let errors = evaluate(again.mechanism.as_ref(), &[], &data).unwrap().rms();
     assert!(errors.position.unwrap() < 1e-9 && errors.rotation.unwrap() < 1e-9, "{errors:?}");
     // From the parts, as a diagnosis writes it.
     let ranged: Vec<ActiveEffect> =
         found.iter().cloned().map(|e| ActiveEffect { range: e.range_over(&data), ..e }).collect();
-    let surroundings =
-        Surroundings { references: [("temp_legs".into(), 18.0)].into(), ..(**machine.surroundings()).clone() };
+    let environment =
+        Environment { references: [("temp_legs".into(), 18.0)].into(), ..(**machine.environment()).clone() };
     let plain = paracal::effect::without_effects(result.mechanism.as_ref());
     let sigmas = vec![vec![1e-6; 6], vec![f64::NAN]];
     let document =
-        machine.document_with_effects(plain, None, &Frames::default(), &ranged, &sigmas, &surroundings).unwrap();
+        machine.document_with_effects(plain, None, &Frames::default(), &ranged, &sigmas, &environment).unwrap();
     assert_eq!(document.effects[1].range["temp_legs"], [15.0, 25.0]);
     assert_eq!((document.effects[0].sigma["scale3"], document.effects[1].sigma.len()), (1e-6, 0));
     let again = read(&document.to_text());
@@ -274,5 +274,5 @@ fn the_side_file_of_a_urdf_has_effects_too() {
     std::fs::write(folder.path().join("m.toml"), &files.side).unwrap();
     let again = Machine::read(folder.path().join("m.urdf")).unwrap();
     assert_eq!(again.effects()[0].values, [1e-3]);
-    assert_eq!(again.surroundings().sensors, machine.surroundings().sensors);
+    assert_eq!(again.environment().sensors, machine.environment().sensors);
 }

@@ -22,9 +22,9 @@ use paracal::identification::{CalibrationOptions, Weights, calibrate, evaluate, 
 use paracal::measurement::{Frames, Noise};
 use paracal::mechanism::{Mechanism, Survey};
 use paracal::observability::{O1, Scaling};
-use paracal::report::html::{self, Measured, Seen};
+use paracal::report::html::{self, Measured, ModelResiduals};
 use paracal::report::{json, text};
-use paracal::selection::{Aim, Campaign, Candidates, Plan, Sources, prospect, select_among, selector};
+use paracal::selection::{Campaign, Candidates, Objective, SelectionTask, Sources, preview, select_among, selector};
 use paracal::simulation::{Command, Journal, JournalError, draw_parameters, simulate_run};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -515,7 +515,8 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
     match which {
         0 => evaluate(mechanism, &[], &data.data).map_or(0, |errors| {
             let shown = text::evaluation(&errors, mechanism.name()).len() + json::evaluation(&errors).to_string().len();
-            let models: Vec<Seen> = Seen::through("model", mechanism, &[], data_of).into_iter().collect();
+            let models: Vec<ModelResiduals> =
+                ModelResiduals::new("model", mechanism, &[], data_of).into_iter().collect();
             let measured = Measured { data: data_of, models: &models };
             shown + page(&html::evaluation(&errors, &subject(machine, mechanism), &measured).html())
         }),
@@ -531,10 +532,10 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 let own = found.identification.own_values();
                 let aligned = data_of.with_frames(found.registration.frames);
                 let models = [
-                    Seen::through("calibrated", found.mechanism.as_ref(), &own, data_of),
-                    Seen::through("as it was given", mechanism, &[], &aligned),
+                    ModelResiduals::new("calibrated", found.mechanism.as_ref(), &own, data_of),
+                    ModelResiduals::new("as it was given", mechanism, &[], &aligned),
                 ];
-                let models: Vec<Seen> = models.into_iter().flatten().collect();
+                let models: Vec<ModelResiduals> = models.into_iter().flatten().collect();
                 let measured = Measured { data: data_of, models: &models };
                 let pages = html::calibration(&found, &shown, &subject(machine, found.mechanism.as_ref()), &measured);
                 let written = machine.document_of(
@@ -565,20 +566,21 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
         6 => machine.workspace.as_ref().map_or(0, |w| {
             let survey = Survey::of(mechanism, w, &[mechanism.home()]);
             let noise = machine.noise.unwrap_or(Noise::stated(1e-6, 1e-6));
-            survey.poses + prospect(mechanism, w, &noise, 12, 0).map_or(0, |p| p.poses.len())
+            survey.poses + preview(mechanism, w, &noise, 12, 0).map_or(0, |p| p.poses.len())
         }),
         7 => machine.workspace.as_ref().map_or(0, |w| {
             let Ok(campaign) = Campaign::new(mechanism, w, machine.noise.as_ref(), Scaling::Paper) else { return 0 };
             let sources = Sources { random: 30, ..Sources::default() };
             let Ok(candidates) = Candidates::collect(&campaign, &sources) else { return 0 };
-            let aim = Aim::Index(&O1);
-            let plan = Plan { campaign: &campaign, forecaster: None, aim, given: &[], seed: 0, watch: &|_| {} };
+            let aim = Objective::Index(&O1);
+            let plan =
+                SelectionTask { campaign: &campaign, forecaster: None, aim, given: &[], seed: 0, watch: &|_| {} };
             let chosen = selector("exchange").unwrap();
             select_among(&plan, chosen.as_ref(), &candidates, 12, true).map_or(0, |report| report.poses.len())
         }),
         _ => {
             let Ok(list) = read_pose_list(poses, machine) else { return 0 };
-            let compensator = Compensator::new(machine.plain(), machine.surroundings(), &machine.effects(), false);
+            let compensator = Compensator::new(machine.plain(), machine.environment(), &machine.effects(), false);
             let commanded = compensator.map_or(0, |mut compensator| {
                 let found = list.poses.iter().map(|l| compensator.command(&l.pose, &l.conditions));
                 found.filter(Result::is_ok).count()

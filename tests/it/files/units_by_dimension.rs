@@ -10,7 +10,7 @@ use paracal::measurement::Noise;
 use paracal::mechanism::{Body, Mechanism, Survey, characteristic_length, condition};
 use paracal::pose::Pose;
 use paracal::report::{json, text};
-use paracal::selection::prospect;
+use paracal::selection::preview;
 use paracal::simulation::{as_dataset, draw_parameters, simulate};
 use paracal::units::Dimension;
 use rand::SeedableRng;
@@ -70,7 +70,7 @@ fn inspection_shows_angles_in_degrees_and_does_not_mix_sigmas() {
     let space = workspace();
     let c = m.values();
     let joints = m.inverse(c, &m.home(), &Conditions::unknown()).unwrap();
-    let ahead = prospect(&m, &space, &Noise::stated(1e-6, 1e-6), 20, 0).unwrap();
+    let ahead = preview(&m, &space, &Noise::stated(1e-6, 1e-6), 20, 0).unwrap();
     let of = |dimension| {
         let members = m.parameters().iter().enumerate().filter(|(_, s)| s.dimension == dimension);
         common::rms(members.map(|(k, _)| ahead.forecast.covariance[(k, k)].sqrt() * ahead.scale[k]))
@@ -90,7 +90,7 @@ fn inspection_shows_angles_in_degrees_and_does_not_mix_sigmas() {
         radius: characteristic_length(&m),
         home_condition: condition(&m, c, &joints, &m.home(), &Conditions::unknown()),
         survey: Some(Survey::of(&m, &space, &[])),
-        prospect: Some(ahead),
+        preview: Some(ahead),
         weak: Vec::new(),
         warnings: Vec::new(),
     };

@@ -157,8 +157,8 @@ impl MeasurementModel for Broken {
     fn rows(&self, sample: usize) -> Vec<RowKind> {
         self.inner.rows(sample)
     }
-    fn own_parameters(&self) -> &[paracal::mechanism::ParameterSpec] {
-        self.inner.own_parameters()
+    fn nuisance_parameters(&self) -> &[paracal::mechanism::ParameterSpec] {
+        self.inner.nuisance_parameters()
     }
     fn start(&self, poses: &[Option<Pose>], frames: &Frames) -> Vec<f64> {
         let mut start = self.inner.start(poses, frames);

@@ -116,7 +116,7 @@ fn three_targets_at_unknown_places_predict_the_targets() {
     let c = campaign(30);
     for known in [true, false] {
         let (data, model) = target_data(&c, known, &Pose::identity());
-        assert_eq!(model.own_parameters().len(), if known { 0 } else { 9 });
+        assert_eq!(model.nuisance_parameters().len(), if known { 0 } else { 9 });
         let options = CalibrationOptions::default();
         let identifier = LevenbergMarquardt::default();
         let result = calibrate(c.nominal.as_ref(), &data, Some(&c.space), &identifier, &options).unwrap();

@@ -6,7 +6,7 @@ use paracal::conditions::Conditions;
 use paracal::conformance;
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, Task, calibrate, identifier};
 use paracal::measurement::Noise;
-use paracal::mechanism::{Linearization, Mechanism, Workspace, settled};
+use paracal::mechanism::{Linearization, Mechanism, Workspace, consistent};
 use paracal::nalgebra::{DMatrix, Matrix6};
 use paracal::pose::Pose;
 use paracal::simulation::{as_dataset, draw_parameters, simulate};
@@ -16,7 +16,7 @@ use rand::rngs::ChaCha8Rng;
 fn poses(m: &dyn Mechanism, space: &Workspace, count: usize, seed: u64) -> Vec<Pose> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let at = Conditions::unknown();
-    std::iter::from_fn(|| Some(settled(m, m.values(), &space.random(&mut rng), &at).ok().map(|(pose, _)| pose)))
+    std::iter::from_fn(|| Some(consistent(m, m.values(), &space.random(&mut rng), &at).ok().map(|(pose, _)| pose)))
         .flatten()
         .take(count)
         .collect()

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use paracal::effect::{Sensor, Surroundings};
+use paracal::effect::{Environment, Sensor};
 use paracal::files::{Machine, read_measurement};
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate};
 use paracal::measurement::Frames;
@@ -53,15 +53,15 @@ fn its_file_is_read_and_written() {
     assert!((values[1] - 2e-6).abs() < 1e-18 && (values[5] - (6.0_f64 / 3600.0).to_radians()).abs() < 1e-18);
     assert!((read.mechanism.parameters()[2].tolerance.unwrap() - 1e-4).abs() < 1e-18);
     let sensor = |covariate: &str, body, place| Sensor { covariate: covariate.into(), body, place };
-    let expected = Surroundings {
+    let expected = Environment {
         reference_temperature: Some(10.0),
         sensors: vec![
             sensor("temp_base1", Body::Base, Vector3::new(1.0, 0.0, 0.0)),
             sensor("temp_top", Body::Platform, Vector3::new(0.0, 2.0, 0.0)),
         ],
-        ..Surroundings::default()
+        ..Environment::default()
     };
-    let stated = |machine: &Machine| Surroundings { home_joints: None, ..(**machine.surroundings()).clone() };
+    let stated = |machine: &Machine| Environment { home_joints: None, ..(**machine.environment()).clone() };
     assert_eq!(stated(&read), expected);
     let moved: Vec<f64> = values.iter().map(|v| v + 1e-6).collect();
     let moved = read.mechanism.with_values(&moved, read.mechanism.home()).unwrap();

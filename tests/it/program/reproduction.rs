@@ -8,7 +8,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin;
-use paracal::reproduction::{Comparison, EXHIBITS, Exhibit, Lab, Settings, Verdict, page, paper, reproduce};
+use paracal::reproduction::{
+    Agreement, Comparison, EXHIBITS, Exhibit, ReproductionContext, Settings, page, paper, reproduce,
+};
 use paracal::simulation::Journal;
 
 /// Few draws: enough for the claims that are tested here.
@@ -16,8 +18,8 @@ const QUICK: Settings = Settings { draws: 100, candidates: 2000, lists: 3, seed:
 
 fn exhibit(name: &str, settings: Settings) -> Exhibit {
     let journal = Journal::in_memory();
-    let lab = Lab::new(settings, &journal, &|_| {}).unwrap();
-    reproduce(name, &lab).unwrap()
+    let context = ReproductionContext::new(settings, &journal, &|_| {}).unwrap();
+    reproduce(name, &context).unwrap()
 }
 
 fn row<'a>(exhibit: &'a Exhibit, quantity: &str) -> &'a Comparison {
@@ -44,7 +46,7 @@ fn the_search_takes_as_long_as_in_the_paper_and_random_sets_are_as_there() {
     // Independent: 0.0172 ± 0.0002 and 0.0218 ± 0.0006.
     assert!((row(&random, "mean O1 of 1000 random sets of 20 poses").ours.mean - 0.0172).abs() < 0.0003);
     assert!((row(&random, "largest O1 of 1000 random sets").ours.mean - 0.0218).abs() < 0.0008);
-    assert_eq!(random.count(Verdict::NotReproduced), 0);
+    assert_eq!(random.count(Agreement::NotReproduced), 0);
 }
 
 #[test]
@@ -176,10 +178,10 @@ fn few_poses_and_weights_are_as_in_the_independent_reproduction() {
 fn exhibits_have_numbers_pictures_and_words() {
     let settings = Settings { draws: 40, candidates: 200, lists: 3, seed: 3 };
     let journal = Journal::in_memory();
-    let lab = Lab::new(settings, &journal, &|_| {}).unwrap();
+    let context = ReproductionContext::new(settings, &journal, &|_| {}).unwrap();
     // Those of Table 4 take long without optimisation.
     let names = ["figure6", "figure7", "figure8", "table8", "figure9"];
-    let all: Vec<Exhibit> = names.iter().map(|name| reproduce(name, &lab).unwrap()).collect();
+    let all: Vec<Exhibit> = names.iter().map(|name| reproduce(name, &context).unwrap()).collect();
     for e in &all {
         assert!(
             !e.comparisons.is_empty() && !e.findings.is_empty() && !e.listings[0].table.rows.is_empty(),
@@ -219,11 +221,11 @@ fn wrong_settings_are_refused_with_the_number() {
         (Settings { draws: u64::MAX, ..QUICK }, "number of draws is 18446744073709551615"),
         (Settings { candidates: usize::MAX, ..QUICK }, "it must be from 200 to 100000"),
     ] {
-        let error = Lab::new(settings, &journal, &|_| {}).err().unwrap().to_string();
+        let error = ReproductionContext::new(settings, &journal, &|_| {}).err().unwrap().to_string();
         assert!(error.contains(what), "{error}");
     }
-    let lab = Lab::new(QUICK, &journal, &|_| {}).unwrap();
-    let error = reproduce("table3", &lab).unwrap_err().to_string();
+    let context = ReproductionContext::new(QUICK, &journal, &|_| {}).unwrap();
+    let error = reproduce("table3", &context).unwrap_err().to_string();
     assert!(EXHIBITS.iter().all(|name| error.contains(name)), "{error}");
 }
 

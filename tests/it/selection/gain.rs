@@ -10,7 +10,7 @@ use paracal::pose::{Pose, PoseConvention};
 use paracal::rand::SeedableRng;
 use paracal::rand::rngs::ChaCha8Rng;
 use paracal::selection::{
-    Aim, Campaign, Exchange, Forecaster, Plan, PoseSelector, Random, Sources, TabuDetmax, select,
+    Campaign, Exchange, Forecaster, Objective, PoseSelector, Random, SelectionTask, Sources, TabuDetmax, select,
 };
 use paracal::simulation::{as_dataset, monte_carlo, simulate};
 
@@ -19,7 +19,7 @@ const TARGETS: usize = 150;
 
 fn poses(
     mechanism: &dyn Mechanism,
-    aim: Aim<'_>,
+    aim: Objective<'_>,
     paper: bool,
     selector: &dyn PoseSelector,
     n: usize,
@@ -30,7 +30,8 @@ fn poses(
     let whitened = Campaign::new(mechanism, &box_, Some(&noise), Scaling::Whitened).unwrap();
     let forecaster = Forecaster::new(whitened.clone(), &[]).unwrap();
     let campaign = if paper { Campaign::new(mechanism, &box_, None, Scaling::Paper).unwrap() } else { whitened };
-    let plan = Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed, watch: &|_| {} };
+    let plan =
+        SelectionTask { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed, watch: &|_| {} };
     let sources = Sources { random: 2000, corners_and_grid: selector.wants_corners(), seed, ..Sources::default() };
     select(&plan, selector, &sources, n).unwrap().poses
 }
@@ -68,7 +69,7 @@ fn integrated(nominal: &dyn Mechanism, poses: &[Pose], weights: Weights) -> f64 
 fn twenty_poses_are_worth_a_hundred() {
     let machine = machine("table5");
     let nominal = machine.mechanism.as_ref();
-    let aim = Aim::Index(&O1);
+    let aim = Objective::Index(&O1);
     let paper =
         integrated(nominal, &poses(nominal, aim, true, &TabuDetmax::default(), 20, 0), Weights::MillimetresAndRadians);
     // The reproduction of the paper has 0.00151 with a spread of a few percent over lists of candidates.
@@ -91,12 +92,18 @@ fn the_predicted_error_is_best_in_its_own_measure() {
         let campaign = Campaign::new(mechanism, &box_, Some(&paper_noise()), Scaling::Whitened).unwrap();
         let forecaster = Forecaster::new(campaign.clone(), &[]).unwrap();
         let sources = Sources { random: 500, corners_and_grid: true, ..Sources::default() };
-        let run = |aim: Aim<'_>| {
-            let plan =
-                Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed: 0, watch: &|_| {} };
+        let run = |aim: Objective<'_>| {
+            let plan = SelectionTask {
+                campaign: &campaign,
+                forecaster: Some(&forecaster),
+                aim,
+                given: &[],
+                seed: 0,
+                watch: &|_| {},
+            };
             select(&plan, &Exchange::default(), &sources, 20).unwrap()
         };
-        let (error, volume) = (run(Aim::PoseError(&forecaster)), run(Aim::Index(&O1)));
+        let (error, volume) = (run(Objective::PoseError(&forecaster)), run(Objective::Index(&O1)));
         let measured = |poses: &[Pose]| {
             let all = nalgebra::DMatrix::identity(42, 42);
             let spectrum = forecaster.spectrum(poses);

@@ -7,18 +7,25 @@ use paracal::rand::rngs::ChaCha8Rng;
 use paracal::rand::seq::index::sample;
 use paracal::rand::{RngExt, SeedableRng};
 use paracal::selection::{
-    Aim, Campaign, Candidates, Exchange, Forecaster, Plan, Report, Sources, relax, select, select_among,
+    Campaign, Candidates, ChosenSet, Exchange, Forecaster, Objective, SelectionTask, Sources, relax, select,
+    select_among,
 };
 use rayon::prelude::*;
 
 const BOXES: [(f64, f64); 2] = [(10.0, 1.0), (100.0, 10.0)];
 
-fn chosen(box_: (f64, f64), n: usize, corners: bool, polish: bool) -> Report {
+fn chosen(box_: (f64, f64), n: usize, corners: bool, polish: bool) -> ChosenSet {
     let machine = machine("table5");
     let mechanism = machine.mechanism.as_ref();
     let campaign = Campaign::new(mechanism, &workspace(mechanism, box_.0, box_.1), None, Scaling::Paper).unwrap();
-    let plan =
-        Plan { campaign: &campaign, forecaster: None, aim: Aim::Index(&O1), given: &[], seed: 0, watch: &|_| {} };
+    let plan = SelectionTask {
+        campaign: &campaign,
+        forecaster: None,
+        aim: Objective::Index(&O1),
+        given: &[],
+        seed: 0,
+        watch: &|_| {},
+    };
     let sources = Sources { random: 2000, corners_and_grid: corners, ..Sources::default() };
     select(&plan, &Exchange { polish, ..Exchange::default() }, &sources, n).unwrap()
 }
@@ -138,14 +145,20 @@ fn the_true_best_of_a_small_list_is_found() {
         Campaign::new(mechanism, &workspace(mechanism, 30.0, 3.0), Some(&paper_noise()), Scaling::Whitened).unwrap();
     let candidates = Candidates::collect(&campaign, &Sources { random: 13, seed: 2, ..Sources::default() }).unwrap();
     let forecaster = Forecaster::new(campaign.clone(), &[]).unwrap();
-    let aims = [Aim::Index(&O1 as &dyn ObservabilityIndex), Aim::Index(&O3), Aim::Index(&O5)];
+    let aims = [Objective::Index(&O1 as &dyn ObservabilityIndex), Objective::Index(&O3), Objective::Index(&O5)];
     // With seven poses every set without one of its members determines nothing, which makes exchanges hard.
     for (aim, n) in aims.into_iter().flat_map(|aim| [(aim, 7), (aim, 9)]) {
-        let plan =
-            Plan { campaign: &campaign, forecaster: Some(&forecaster), aim, given: &[], seed: 1, watch: &|_| {} };
+        let plan = SelectionTask {
+            campaign: &campaign,
+            forecaster: Some(&forecaster),
+            aim,
+            given: &[],
+            seed: 1,
+            watch: &|_| {},
+        };
         let found =
             select_among(&plan, &Exchange { polish: false, ..Exchange::default() }, &candidates, n, true).unwrap();
-        let Aim::Index(index) = aim else { unreachable!() };
+        let Objective::Index(index) = aim else { unreachable!() };
         let best = (0_u32..1 << 13)
             .into_par_iter()
             .filter(|bits| bits.count_ones() as usize == n)

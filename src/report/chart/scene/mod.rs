@@ -1,7 +1,7 @@
 //! Drawings of mechanisms in perspective.
 //!
-//! A [`Scene`] holds what is seen, in metres and with z upwards: closed polygons ([`Outline`]: base ring, platform,
-//! platform at other poses), legs and cables ([`Segment`]), coordinate systems ([`Triad`]), errors or loads
+//! A [`Scene`] holds what is seen, in metres and with z upwards: closed polygons ([`Silhouette`]: base ring, platform,
+//! platform at other poses), legs and cables ([`LineSegment`]), coordinate systems ([`Triad`]), errors or loads
 //! ([`Arrow`]) and points ([`Dot`]). A [`View`] tells from where.
 //!
 //! * **True perspective.**  The projection is the one of a pinhole camera, fitted into the picture. Lengths cannot be
@@ -37,9 +37,9 @@ pub struct Scene {
     /// From where it is seen.
     pub view: View,
     /// Closed polygons.
-    pub outlines: Vec<Outline>,
+    pub outlines: Vec<Silhouette>,
     /// Legs, cables, arms.
-    pub legs: Vec<Segment>,
+    pub legs: Vec<LineSegment>,
     /// Coordinate systems.
     pub frames: Vec<Triad>,
     /// Arrows.
@@ -100,7 +100,7 @@ impl Default for View {
 
 /// A closed polygon: a ring, a platform, a frame. Two points are a line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outline {
+pub struct Silhouette {
     /// Name in the legend; without a name it is not in the legend. Things of the same name share one entry.
     pub name: String,
     /// Index into the palette (cyclic).
@@ -115,7 +115,7 @@ pub struct Outline {
 
 /// A straight leg, cable or part of an arm, with a joint at each end.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Segment {
+pub struct LineSegment {
     /// Name in the legend; may be empty.
     pub name: String,
     /// Index into the palette (cyclic).

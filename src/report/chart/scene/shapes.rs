@@ -5,7 +5,7 @@ use super::labels::Obstacle;
 use super::lines::{middle, path, pieces, runs};
 use super::order::{Face, Item};
 use super::stage::{Spot, Stage, tip, unit};
-use super::{Arrow, Dot, Outline, Scene, Segment, Triad};
+use super::{Arrow, Dot, LineSegment, Scene, Silhouette, Triad};
 use crate::report::chart::marks::{MANY, arrow, marker, marker_class, palette_class};
 use crate::report::chart::number::significant;
 
@@ -64,7 +64,7 @@ impl Drawing {
         self.obstacles.extend(spots.windows(2).filter_map(|w| Some(Obstacle::new(w.first()?, w.last()?, weight))));
     }
 
-    fn outline(&mut self, scene: &Scene, stage: &Stage, outline: &Outline) {
+    fn outline(&mut self, scene: &Scene, stage: &Stage, outline: &Silhouette) {
         let spots: Vec<Option<Spot>> = outline.points.iter().map(|p| stage.see(p)).collect();
         let whole: Option<Vec<Spot>> = spots.iter().copied().collect();
         if let Some(corners) = whole.filter(|c| outline.filled && c.len() > 2) {
@@ -89,7 +89,7 @@ impl Drawing {
     }
 
     /// A thin outline is one path: its transparency would make spots of the ends of pieces.
-    fn thin(&mut self, stage: &Stage, outline: &Outline, run: &[Spot]) {
+    fn thin(&mut self, stage: &Stage, outline: &Silhouette, run: &[Spot]) {
         let Some(middle) = middle(run) else { return };
         let closed = run.len() > 2 && run.first() == run.last();
         let ends = if closed { run.len() - 1 } else { run.len() };
@@ -106,7 +106,7 @@ impl Drawing {
         self.obstacles.extend(run.windows(2).filter_map(|w| Some(Obstacle::new(w.first()?, w.last()?, 0.2))));
     }
 
-    fn leg(&mut self, scene: &Scene, stage: &Stage, leg: &Segment) {
+    fn leg(&mut self, scene: &Scene, stage: &Stage, leg: &LineSegment) {
         let (Some(from), Some(to)) = (stage.see(&leg.from), stage.see(&leg.to)) else { return };
         let count = scene.legs.len();
         let width = if count <= 16 {
@@ -222,7 +222,7 @@ fn text(first: &str, second: &str) -> Option<String> {
 }
 
 /// Name, label and length of a leg.
-fn leg_tip(scene: &Scene, leg: &Segment) -> String {
+fn leg_tip(scene: &Scene, leg: &LineSegment) -> String {
     let words: Vec<&str> = [leg.name.trim(), leg.label.trim()].into_iter().filter(|w| !w.is_empty()).collect();
     let (unit, metres) = unit(scene);
     let colon = if words.is_empty() { "" } else { ": " };
@@ -230,7 +230,7 @@ fn leg_tip(scene: &Scene, leg: &Segment) -> String {
 }
 
 /// Name of an outline and the largest distance of two of its corners.
-fn size(scene: &Scene, outline: &Outline) -> Option<String> {
+fn size(scene: &Scene, outline: &Silhouette) -> Option<String> {
     let points = &outline.points;
     let name = outline.name.trim();
     if name.is_empty() || points.len() > 300 {

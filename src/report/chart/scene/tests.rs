@@ -4,7 +4,7 @@ use super::camera::{Camera, between, distance};
 use super::layout::{self, MIST, mix};
 use super::shapes::Drawing;
 use super::stage::{Ground, Stage};
-use super::{Arrow, Dot, Outline, Scene, Segment, Triad, View};
+use super::{Arrow, Dot, LineSegment, Scene, Silhouette, Triad, View};
 use crate::report::chart::svg::{DARK, GROUND, INK, LIGHT};
 use crate::report::chart::tests::{Dice, check_picture, contrast};
 
@@ -16,12 +16,12 @@ fn ring(radius: f64, z: f64, corners: usize) -> Vec<[f64; 3]> {
     (0..corners).map(|i| [radius * angle(i).cos(), radius * angle(i).sin(), z]).collect()
 }
 
-fn outline(name: &str, points: Vec<[f64; 3]>, filled: bool, thin: bool) -> Outline {
-    Outline { name: name.into(), colour: 2, points, filled, thin }
+fn outline(name: &str, points: Vec<[f64; 3]>, filled: bool, thin: bool) -> Silhouette {
+    Silhouette { name: name.into(), colour: 2, points, filled, thin }
 }
 
-fn leg(label: &str, from: [f64; 3], to: [f64; 3]) -> Segment {
-    Segment { name: "leg".into(), colour: 0, from, to, label: label.into() }
+fn leg(label: &str, from: [f64; 3], to: [f64; 3]) -> LineSegment {
+    LineSegment { name: "leg".into(), colour: 0, from, to, label: label.into() }
 }
 
 /// A hexapod with some poses, each with an arrow at every corner.
@@ -47,7 +47,7 @@ fn hexapod(poses: usize) -> Scene {
             let (name, tip) = ("error".into(), format!("pose {pose}: 23.4 µm"));
             scene.arrows.push(Arrow { name, colour: 1, from: *from, to: near(from), tip });
         }
-        scene.outlines.push(Outline { colour: 5, ..outline("chosen poses", corners, false, true) });
+        scene.outlines.push(Silhouette { colour: 5, ..outline("chosen poses", corners, false, true) });
     }
     scene
 }
@@ -240,11 +240,11 @@ fn nasty_scenes_are_sound() {
         for _ in 0..dice.roll(5) {
             let points = (0..dice.roll(9)).map(|_| [0; 3].map(|_| dice.value(kind))).collect();
             let (filled, thin) = (dice.roll(2) == 0, dice.roll(2) == 0);
-            scene.outlines.push(Outline { name: dice.text(), colour: dice.roll(100), points, filled, thin });
+            scene.outlines.push(Silhouette { name: dice.text(), colour: dice.roll(100), points, filled, thin });
         }
         for _ in 0..[0, 1, 6, 90][dice.roll(4)] {
             let [from, to] = [0, 1].map(|_| [0; 3].map(|_| dice.value(kind)));
-            scene.legs.push(Segment { name: dice.text(), colour: dice.roll(9), from, to, label: dice.text() });
+            scene.legs.push(LineSegment { name: dice.text(), colour: dice.roll(9), from, to, label: dice.text() });
             scene.arrows.push(Arrow { name: dice.text(), colour: dice.roll(9), from: to, to: from, tip: dice.text() });
         }
         for _ in 0..dice.roll(4) {

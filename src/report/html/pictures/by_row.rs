@@ -1,20 +1,20 @@
 //! Errors row by row.
 
-use super::{ARCSECONDS, GROSS, MICROMETRES, Seen};
-use crate::identification::PoseErrors;
+use super::{ARCSECONDS, GROSS, MICROMETRES, ModelResiduals};
+use crate::identification::SampleError;
 use crate::measurement::RowKind;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 
 /// Position and attitude error of each row for some models, beside the length that the stated noise (m, rad of one component)
 /// gives; rows that look like gross errors are marked.
-pub(in crate::report::html) fn by_row(models: &[&Seen], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
+pub(in crate::report::html) fn by_row(models: &[&ModelResiduals], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
     // The length of a vector of as many components as were measured.
     let components = |kind: RowKind| {
         let first = models.first().and_then(|m| m.deviations.first());
         first.map_or(3, |d| d.readings.iter().filter(|(of, _)| *of == kind).count().min(3)) as f64
     };
-    let panel = |title: &str, label: &str, of: fn(&PoseErrors) -> Option<f64>, unit: f64, sigma: Option<f64>| {
-        let series = |(colour, model): (usize, &&Seen)| {
+    let panel = |title: &str, label: &str, of: fn(&SampleError) -> Option<f64>, unit: f64, sigma: Option<f64>| {
+        let series = |(colour, model): (usize, &&ModelResiduals)| {
             let points = model.errors.samples.iter().filter_map(|s| Some([s.row as f64, unit * of(s)?])).collect();
             Series::new(&model.name, colour, Shape::Dots, points)
         };

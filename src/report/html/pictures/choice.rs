@@ -4,10 +4,10 @@ use super::maps::shown;
 use super::{ARCSECONDS, MICROMETRES};
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
-use crate::selection::Report;
+use crate::selection::ChosenSet;
 
 /// The index over the iterations of the selector, beside the certified bound.
-pub(in crate::report::html) fn trace(r: &Report) -> Figure {
+pub(in crate::report::html) fn trace(r: &ChosenSet) -> Figure {
     let points = r.trace.iter().enumerate().map(|(k, v)| [k as f64, *v]).collect();
     let last = r.trace.len().saturating_sub(1) as f64;
     let bound = |at: f64| Rule { horizontal: true, at, label: "no set of these candidates passes this".into() };
@@ -29,7 +29,7 @@ pub(in crate::report::html) fn trace(r: &Report) -> Figure {
 }
 
 /// The poses in three planes of the workspace.
-pub(in crate::report::html) fn coverage(r: &Report, given: usize, convention: &PoseConvention) -> Figure {
+pub(in crate::report::html) fn coverage(r: &ChosenSet, given: usize, convention: &PoseConvention) -> Figure {
     let coordinates: Vec<[f64; 6]> = r.poses.iter().map(|p| shown(&convention.coordinates(p))).collect();
     let planes = [
         ("x (mm)", 0, "y (mm)", 1),
@@ -74,11 +74,11 @@ fn stacked(points: impl Iterator<Item = [f64; 2]>) -> (Vec<[f64; 2]>, Vec<f64>) 
 }
 
 /// Predicted error of the calibrated pose and efficiency over the number of poses.
-pub(in crate::report::html) fn how_many(table: &[Report], n: usize) -> Figure {
-    let points = |of: &dyn Fn(&Report) -> Option<f64>| -> Vec<[f64; 2]> {
+pub(in crate::report::html) fn how_many(table: &[ChosenSet], n: usize) -> Figure {
+    let points = |of: &dyn Fn(&ChosenSet) -> Option<f64>| -> Vec<[f64; 2]> {
         table.iter().filter_map(|r| Some([r.poses.len() as f64, of(r)?])).collect()
     };
-    let error = |r: &Report| r.forecast.as_ref().map(|f| f.error);
+    let error = |r: &ChosenSet| r.forecast.as_ref().map(|f| f.error);
     let panel = |title: &str, label: &str, points: Vec<[f64; 2]>| Panel {
         title: title.into(),
         x: Axis::linear("number of poses"),

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::{Seen, round_up};
+use super::{ModelResiduals, round_up};
 use crate::mechanism::{Body, Mechanism, characteristic_length};
 use crate::pose::Pose;
-use crate::report::chart::{Arrow, Outline, Scene, Segment, Triad};
+use crate::report::chart::{Arrow, LineSegment, Scene, Silhouette, Triad};
 use crate::units::{show_length, three_digits};
 
 /// Longest arrow and widest spread of the poses, in radii of the platform.
@@ -26,7 +26,7 @@ pub(in crate::report::html) struct Displacements {
 
 impl Displacements {
     /// The errors of a model, without those of gross rows, beside which no other could be seen.
-    pub(in crate::report::html) fn of(seen: &Seen, mechanism: &dyn Mechanism, gross: &[usize]) -> Self {
+    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[usize]) -> Self {
         let centre = centre(&mechanism.platform_points());
         let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
             let turn = Vector3::new(motion[3], motion[4], motion[5]);
@@ -94,7 +94,7 @@ pub(in crate::report::html) fn drawing(
     for (leg, from) in &base {
         let Some((_, to)) = platform.iter().find(|(l, _)| l == leg) else { continue };
         let stands_out = marked.contains(leg);
-        scene.legs.push(Segment {
+        scene.legs.push(LineSegment {
             name: if stands_out { "leg with a named cause".into() } else { "leg".into() },
             colour: if stands_out { 1 } else { 5 },
             from: (*from).into(),
@@ -136,8 +136,8 @@ pub(in crate::report::html) fn drawing(
     Some(scene)
 }
 
-fn outline(name: &str, colour: usize, points: &[Vector3<f64>], thin: bool) -> Outline {
-    Outline { name: name.into(), colour, points: points.iter().map(|p| (*p).into()).collect(), filled: false, thin }
+fn outline(name: &str, colour: usize, points: &[Vector3<f64>], thin: bool) -> Silhouette {
+    Silhouette { name: name.into(), colour, points: points.iter().map(|p| (*p).into()).collect(), filled: false, thin }
 }
 
 /// Points of a body by leg: those of the parameters, or the platform points that are known without being identified.

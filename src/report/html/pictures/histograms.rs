@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::{ARCSECONDS, MICROMETRES, Seen};
+use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
 use crate::measurement::RowKind;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 
@@ -12,7 +12,11 @@ const BINS: [usize; 2] = [9, 31];
 const CURVE: usize = 61;
 
 /// Components of the residual of each model, beside the curve of the stated noise (σ of a component, m and rad).
-pub(in crate::report::html) fn histograms(models: &[&Seen], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
+pub(in crate::report::html) fn histograms(
+    models: &[&ModelResiduals],
+    noise: Option<[f64; 2]>,
+    gross: &[usize],
+) -> Figure {
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
         let kinds = [

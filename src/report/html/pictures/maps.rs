@@ -1,7 +1,7 @@
 //! Errors over the workspace.
 
-use super::{ARCSECONDS, MICROMETRES, Seen};
-use crate::identification::PoseErrors;
+use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
+use crate::identification::SampleError;
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::units::{show_angle, show_length};
@@ -10,12 +10,16 @@ use crate::units::{show_angle, show_length};
 const PLANES: [[(&str, usize); 2]; 3] = [[("x", 0), ("y", 1)], [("x", 0), ("z", 2)], [("rx", 3), ("ry", 4)]];
 
 /// The error of each sample as a circle at its pose, in three planes of the workspace; a row of maps for each model.
-pub(in crate::report::html) fn maps(models: &[&Seen], convention: &PoseConvention, gross: &[usize]) -> Figure {
+pub(in crate::report::html) fn maps(
+    models: &[&ModelResiduals],
+    convention: &PoseConvention,
+    gross: &[usize],
+) -> Figure {
     let measured = models.first().is_some_and(|m| m.errors.samples.iter().any(|s| s.position.is_some()));
-    let of = |s: &PoseErrors| if measured { s.position } else { s.rotation };
+    let of = |s: &SampleError| if measured { s.position } else { s.rotation };
     let (unit, show): (f64, fn(f64) -> String) =
         if measured { (MICROMETRES, show_length) } else { (ARCSECONDS, show_angle) };
-    let poses = |model: &Seen| -> Vec<[f64; 6]> {
+    let poses = |model: &ModelResiduals| -> Vec<[f64; 6]> {
         model.deviations.iter().map(|d| convention.coordinates(&d.pose)).map(|q| shown(&q)).collect()
     };
     let changes = |k: usize| models.iter().any(|m| poses(m).windows(2).any(|w| w[0][k] != w[1][k]));

@@ -43,7 +43,7 @@ const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Data seen through one model.
 #[derive(Clone, Debug)]
-pub struct Seen {
+pub struct ModelResiduals {
     /// What the model is called in legends.
     pub name: String,
     /// Length of the error of each sample.
@@ -52,13 +52,13 @@ pub struct Seen {
     pub deviations: Vec<Deviation>,
 }
 
-impl Seen {
+impl ModelResiduals {
     /// The data through a mechanism, with the measurement's own parameters `own` as for
     /// [`deviations`](crate::identification::deviations).
     ///
     /// # Errors
     /// [`IdentifyError::Sample`] if a sample has no pose.
-    pub fn through(
+    pub fn new(
         name: impl Into<String>,
         mechanism: &dyn Mechanism,
         own: &[f64],

@@ -9,8 +9,8 @@ use super::hexapod::Geometry;
 use super::limits::{Limits, NOISE};
 use super::mistakes::Mistake;
 use super::run::{Run, Weather, direction, normal};
-use super::strangers::Stranger;
 use super::text::{self, Sheet};
+use super::unlisted_effects::UnlistedEffect;
 
 /// Rows of a run.
 pub const ROWS: usize = 120;
@@ -67,7 +67,7 @@ pub struct Case {
     pub truth: Truth,
 }
 
-/// Case `number` of a kind. Kinds with variants (effects, strangers, mistakes) take them in turn.
+/// Case `number` of a kind. Kinds with variants (effects, unlisted_effects, mistakes) take them in turn.
 pub fn draw(kind: Kind, seed: u64, number: usize) -> Option<Case> {
     draw_in_run(kind, ROWS, seed, number)
 }
@@ -83,7 +83,7 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
 
     let mut truth = Truth::default();
     let mut planted: Vec<Planted> = Vec::new();
-    let mut strangers: Vec<Stranger> = Vec::new();
+    let mut unlisted_effects: Vec<UnlistedEffect> = Vec::new();
     match kind {
         Kind::One(size) | Kind::OneWithOutliers(size) => {
             planted.push(plant(&CATALOGUE[number % CATALOGUE.len()], size, &Limits::of(&run)?, &run, &mut rng)?);
@@ -99,16 +99,19 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
             planted.push(plant(&known, size, &Limits::of(&run)?, &run, &mut rng)?);
         }
         Kind::Outside(size) => {
-            let mut stranger = Stranger::draw(number % 9, &run, &mut rng);
+            let mut stranger = UnlistedEffect::draw(number % 9, &run, &mut rng);
             let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             stranger.amplitude =
                 sign * size * Limits::at_limit_of_strangers() / Limits::of(&run)?.prominence(&stranger)?;
-            strangers.push(stranger);
+            unlisted_effects.push(stranger);
         }
         Kind::Null | Kind::Outliers(_) | Kind::Misread | Kind::Noise(_) => {}
     }
-    let influences: Vec<&dyn Influence> =
-        planted.iter().map(|p| p as &dyn Influence).chain(strangers.iter().map(|s| s as &dyn Influence)).collect();
+    let influences: Vec<&dyn Influence> = planted
+        .iter()
+        .map(|p| p as &dyn Influence)
+        .chain(unlisted_effects.iter().map(|s| s as &dyn Influence))
+        .collect();
     let mut poses = measured(&machine, &run, &influences)?;
 
     let loudness = loudness(kind, &run, &mut truth, &mut rng);
@@ -132,7 +135,7 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
         truth.rows.push(p.row);
         truth.parameters.push(p.theta.clone());
     }
-    for s in &strangers {
+    for s in &unlisted_effects {
         truth.detail = s.name.to_owned();
         truth.legs.push(s.leg.map(|leg| leg + 1));
         truth.covariates = s.covariates.clone();

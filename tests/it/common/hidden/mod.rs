@@ -14,5 +14,5 @@ pub mod hexapod;
 pub mod limits;
 pub mod mistakes;
 pub mod run;
-pub mod strangers;
 pub mod text;
+pub mod unlisted_effects;

@@ -1,4 +1,4 @@
-//! One run of measurements: what is commanded and what the surroundings do, row by row.
+//! One run of measurements: what is commanded and what the environment does, row by row.
 //!
 //! The reference run is kind: poses, elevation and load are in random order, the air swings through one and a half
 //! days, each leg wanders on its own, platform and base follow late. The warm-up is unkind: time and every temperature

@@ -67,7 +67,7 @@ pub struct Progress<'a> {
 }
 
 /// What exhibits are made with.
-pub struct Lab<'a> {
+pub struct ReproductionContext<'a> {
     /// How much is done.
     pub settings: Settings,
     /// Finished work.
@@ -133,8 +133,8 @@ pub enum ReproduceError {
     Journal(#[from] JournalError),
 }
 
-impl<'a> Lab<'a> {
-    /// A lab with these settings.
+impl<'a> ReproductionContext<'a> {
+    /// A context with these settings.
     ///
     /// # Errors
     /// As [`Settings::check`].

@@ -34,7 +34,7 @@ enum Shape {
 
 /// An effect outside the catalogue. Its amplitude scales it; 1 is about a micrometre.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stranger {
+pub struct UnlistedEffect {
     pub name: &'static str,
     pub leg: Option<usize>,
     /// Any of these is a right answer.
@@ -55,7 +55,7 @@ pub const NAMES: [&str; 9] = [
     "loose leg",
 ];
 
-impl Stranger {
+impl UnlistedEffect {
     /// The stranger of a number, with a random leg and shape.
     pub fn draw<R: Rng + ?Sized>(which: usize, run: &Run, rng: &mut R) -> Self {
         let leg = rng.random_range(0..6);
@@ -109,7 +109,7 @@ impl Stranger {
     }
 }
 
-impl Influence for Stranger {
+impl Influence for UnlistedEffect {
     fn disturb(&self, at: &At<'_>, state: &State, out: &mut Disturbance) {
         let size = 1e-6 * self.amplitude;
         if let Some(leg) = self.leg {
