@@ -1,7 +1,6 @@
 //! What it costs to state a mechanism by one closure function: motion blocks `J_b` of the paper's mechanism by dual
 //! numbers against the closed form, in one run that alternates between them; and forward kinematics likewise.
 
-mod common;
 // The mechanism that the tests compare with the closed form, too.
 #[allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used)]
 #[path = "../tests/it/common/kinds.rs"]
@@ -11,16 +10,16 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Duration;
 
-use common::interleaved;
 use criterion::Criterion;
 use paracal::conditions::Conditions;
 use paracal::files::Machine;
 use paracal::mechanism::{Mechanism, MotionBlock, SixHardpoint};
 use paracal::pose::Pose;
+use paracal_benches::interleaved;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
+const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../mechanisms/table5.toml");
 const POSES: usize = 64;
 const BATCHES: usize = 1000;
 /// What a motion block may cost, in units of the closed form.

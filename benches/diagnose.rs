@@ -5,13 +5,10 @@
 //! is that of `identify`: a single linear solve by SVD of 120 rows and 42 unknowns, the system of the first 20 of these
 //! poses.
 
-mod common;
-
 use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
 
-use common::interleaved;
 use criterion::Criterion;
 use nalgebra::{DMatrix, DVector};
 use paracal::diagnosis::{Diagnosis, Question, diagnose};
@@ -23,10 +20,11 @@ use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
 use paracal::simulation::{Command, draw_parameters, simulate_run};
 use paracal::solve::LeastSquaresProblem;
+use paracal_benches::interleaved;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
-const MECHANISM: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml"));
+const MECHANISM: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../mechanisms/table5.toml"));
 /// What the effects of loads and screws need to know.
 const FURTHER: &str = "\n[platform]\nmass_kg = 500.0\ncentre_of_mass = [0.0, 0.0, 150.0]\npayload_centre = [0.0, 0.0, 300.0]\n\
                        [actuator]\nscrew_pitch = 5.0\n";

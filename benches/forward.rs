@@ -5,23 +5,21 @@
 //! two is taken in one run that alternates between them, because single timings on a shared machine differ by
 //! more than the two do.
 
-mod common;
-
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Duration;
 
-use common::interleaved;
 use criterion::Criterion;
 use nalgebra::{Matrix6, Rotation3, Vector3, Vector6};
 use paracal::conditions::Conditions;
 use paracal::files::Machine;
 use paracal::mechanism::{Leg, Mechanism, SixHardpoint};
 use paracal::pose::{Pose, PoseConvention};
+use paracal_benches::interleaved;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
-const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
+const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../mechanisms/table5.toml");
 const POSES: usize = 64;
 /// Half-ranges about home, m and rad.
 const HALF: [f64; 6] = [0.02, 0.02, 0.02, 0.03, 0.03, 0.03];

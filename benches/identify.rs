@@ -4,13 +4,10 @@
 //! 42 unknowns: the least that any method must pay which treats the problem as linear. The ratio is taken in one
 //! run that alternates between the two, because single timings on a shared machine differ by more than they do.
 
-mod common;
-
 use std::error::Error;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use common::interleaved;
 use criterion::Criterion;
 use nalgebra::{DMatrix, DVector};
 use paracal::files::{Machine, read_measurement};
@@ -22,12 +19,13 @@ use paracal::simulation::{as_dataset, draw_parameters, monte_carlo, simulate};
 use paracal::solve::{
     LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, LeastSquaresSolution, least_squares,
 };
+use paracal_benches::interleaved;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
-const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/hardpoint-noisy.csv");
+const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../mechanisms/table5.toml");
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/data/hardpoint-noisy.csv");
 /// Alternations of the ratio.
 const BATCHES: usize = 1000;
 /// What a calibration may cost, in units of the SVD.

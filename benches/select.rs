@@ -23,7 +23,7 @@ use paracal::selection::{
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
+const MECHANISM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../mechanisms/table5.toml");
 /// Poses to choose, and candidates to choose from.
 const POSES: usize = 20;
 const CANDIDATES: usize = 2000;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// Times two things in turn, `passes` calls of each at a time, `batches` times: the shortest time of each, and the median
 /// of the ratios of neighbours.
-pub(crate) fn interleaved<A, B>(
+pub fn interleaved<A, B>(
     batches: usize,
     passes: usize,
     mut first: impl FnMut() -> A,
