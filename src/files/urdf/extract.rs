@@ -2,59 +2,24 @@
 
 use std::collections::{HashMap, HashSet};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::agree::{add_closures, size};
+use super::bodies::Bodies;
 use super::choice::Choice;
 use super::closures::Motion;
 use super::description::Description;
-use super::finding::{FindingKind as K, Findings, did_you_mean};
+use super::findings::{Findings, did_you_mean};
+use super::found::{Found, FoundLeg};
 use super::graph::Graph;
 use super::home::Assembly;
 use super::leg::{Allowed, Measured, measure};
-use super::model::{Bodies, Model};
-use super::options::HomeJoint;
-use super::pairs::{Pair, closing_frames};
+use super::model::Model;
+use super::pairs::closing_frames;
+use super::settings::Settings;
+use crate::files::finding::FindingKind as K;
 use crate::pose::Pose;
 use crate::units::Dimension;
-
-/// All that is stated beside the file, by the call and by side files.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Settings {
-    pub(super) pairs: Vec<Pair>,
-    pub(super) base_link: Option<String>,
-    pub(super) platform_link: Option<String>,
-    pub(super) home: Vec<HomeJoint>,
-    pub(super) tolerance: Option<f64>,
-    /// The joints that are driven; all slides if empty.
-    pub(super) motors: Vec<String>,
-    /// Types given to joints that URDF cannot name.
-    pub(super) motions: HashMap<String, Motion>,
-    /// True if the side file states ranges of the lengths, or that there are none.
-    pub(super) strokes_stated: bool,
-    /// True if the side file states the home pose.
-    pub(super) home_stated: bool,
-}
-
-/// A leg, SI.
-#[derive(Clone, Debug)]
-pub(super) struct FoundLeg {
-    pub(super) joint: String,
-    pub(super) reversed: bool,
-    pub(super) platform: Vector3<f64>,
-    pub(super) base: Vector3<f64>,
-    /// Length at joint coordinate zero.
-    pub(super) length: f64,
-    pub(super) range: Option<[f64; 2]>,
-}
-
-/// What a robot is made of, for this program.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    pub(super) legs: Vec<FoundLeg>,
-    /// `None` where neither joints nor lengths say it.
-    pub(super) home: Option<Pose>,
-}
 
 /// Finds the legs of a robot; `None` if something is wrong, which is then reported.
 pub(super) fn extract(description: &Description, settings: &Settings, findings: &mut Findings) -> Option<Found> {

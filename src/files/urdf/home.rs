@@ -5,10 +5,11 @@ use std::collections::HashMap;
 use nalgebra::Point3;
 
 use super::closures::Frame;
-use super::extract::FoundLeg;
-use super::finding::{FindingKind as K, Findings};
+use super::findings::Findings;
+use super::found::FoundLeg;
 use super::leg::{Allowed, Measured};
 use super::model::Model;
+use crate::files::finding::FindingKind as K;
 use crate::mechanism::{Leg, Mechanism, SixHardpoint};
 use crate::pose::Pose;
 

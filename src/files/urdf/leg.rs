@@ -8,10 +8,11 @@
 use nalgebra::Vector3;
 
 use super::anchor::{End, check_turns, common_point, decide, largest_miss};
+use super::bodies::Bodies;
 use super::closures::{Frame, Motion};
-use super::finding::{Finding, FindingKind as K};
 use super::graph::Part;
-use super::model::{Bodies, Model};
+use super::model::Model;
+use crate::files::finding::{Finding, FindingKind as K};
 
 /// A leg in numbers.
 #[derive(Clone, Debug)]
