@@ -4,16 +4,16 @@ use crate::diagnosis::answer::evidence::{added_variable, joint_residuals};
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
 use crate::diagnosis::answer::limits::{lambda, limit};
 use crate::diagnosis::answer::result::{
-    Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
+    Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, UnknownTest, Verdict,
 };
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::model::{Hypothesis, Model};
-use crate::diagnosis::planning::settle::TOLD_APART;
+use crate::diagnosis::question::Question;
 use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::remainder::{remainder, rival, worth_of};
-use crate::diagnosis::search::stepwise::{Score, TIED, related, scores, separability};
-use crate::diagnosis::{DiagnoseError, Question};
+use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability};
 use crate::effect::EffectParameter;
 use crate::identification::Registration;
 use crate::units::{Dimension, three_digits};
@@ -59,14 +59,14 @@ pub(crate) fn findings(
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
             covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
-            ..Unknown::by("patchwork", causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
+            ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
     if subject.data.noise.known && is_hopeless(subject, state, if withdrawn { &without } else { &model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         effects.clear();
         withdrawn = true;
-        unknown = Some(Unknown { withdrawn: names, ..Unknown::by("misfit", 0.0) });
+        unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
     }
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, state.names.clone()) };
     let kept = state.kept();
@@ -284,7 +284,7 @@ fn not_found(
             Some(limit) => found.push(limit),
             // What a named effect contains was looked for with it.
             None if limit(without, &subject.groups, k, tests).is_some() => {}
-            None => unseen.push(NotTestable::unchanging(group)),
+            None => unseen.push(group.unchanging()),
         }
     }
     (found, unseen)
