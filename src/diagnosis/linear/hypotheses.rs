@@ -102,16 +102,7 @@ impl<'a> Hypotheses<'a> {
                     continue;
                 }
                 let parameters = effect.parameters(&context);
-                let legs = || (0..context.joints()).map(ScanPoint::leg);
-                let scan = effect.scan(&context, &available);
-                let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
-                let points: Vec<ScanPoint> = match scan {
-                    Scan::None | Scan::Rows => vec![ScanPoint::none()],
-                    Scan::Legs | Scan::LegsAndRows => legs().collect(),
-                    Scan::Covariates(names) => {
-                        names.into_iter().map(|name| ScanPoint { covariate: Some(name), ..ScanPoint::none() }).collect()
-                    }
-                };
+                let (points, scans_rows) = scan_points(effect.as_ref(), &context, &available);
                 let place = |at: ScanPoint| {
                     let columns = next..next + parameters.len();
                     next = columns.end;
@@ -243,6 +234,21 @@ impl<'a> Hypotheses<'a> {
         }
         Ok(fitted)
     }
+}
+
+/// The places of the scan of an effect that have columns of their own, and whether each is scanned over the rows.
+fn scan_points(effect: &dyn Effect, context: &EffectContext<'_>, available: &AvailableData) -> (Vec<ScanPoint>, bool) {
+    let legs = || (0..context.joints()).map(ScanPoint::leg);
+    let scan = effect.scan(context, available);
+    let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
+    let points = match scan {
+        Scan::None | Scan::Rows => vec![ScanPoint::none()],
+        Scan::Legs | Scan::LegsAndRows => legs().collect(),
+        Scan::Covariates(names) => {
+            names.into_iter().map(|name| ScanPoint { covariate: Some(name), ..ScanPoint::none() }).collect()
+        }
+    };
+    (points, scans_rows)
 }
 
 /// Where the values of each effect stand among the unknowns of an identification: those on the mechanism behind its
