@@ -97,8 +97,8 @@ impl<'a> Job<'a> {
     }
 
     /// A failure with the file that it is about.
-    fn about(&self, cause: SelectionError) -> anyhow::Error {
-        match (&cause, &self.args.given, &self.args.targets) {
+    fn about(&self, cause: &SelectionError) -> anyhow::Error {
+        match (cause, &self.args.given, &self.args.targets) {
             (SelectionError::Given { .. }, given, _) => {
                 anyhow!("{}: {cause}", given.clone().unwrap_or_default().display())
             }
@@ -139,7 +139,7 @@ impl<'a> Job<'a> {
                 self.file()
             );
         }
-        let about = |cause| self.about(cause);
+        let about = |cause| self.about(&cause);
         let forecaster =
             whitened.clone().ok().map(|campaign| Forecaster::new(campaign, targets)).transpose().map_err(about)?;
         let campaign = match scaling {
@@ -167,7 +167,7 @@ impl<'a> Job<'a> {
         sources: &Sources,
         given: &[Pose],
     ) -> Result<Choice> {
-        let about = |cause| self.about(cause);
+        let about = |cause| self.about(&cause);
         let bar = self.ui.steps("collecting candidates");
         let candidates = Candidates::collect(campaign, sources).map_err(about)?;
         if sources.listed.is_empty() && candidates.tried > 2 * candidates.len() {
