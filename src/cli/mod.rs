@@ -17,6 +17,7 @@ mod inspect;
 #[cfg(test)]
 mod mutated_calls;
 mod reproduce;
+pub mod reproduction;
 mod select;
 mod select_args;
 mod settle;
