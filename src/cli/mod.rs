@@ -16,7 +16,6 @@ mod evaluate;
 mod inspect;
 #[cfg(test)]
 mod mutated_calls;
-mod paint;
 mod reproduce;
 pub mod reproduction;
 mod select;

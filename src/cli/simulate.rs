@@ -80,14 +80,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(truth) = &args.truth {
         outputs.check(truth)?;
     }
-    let quantity = |option: &str, text: &Option<String>, dimension| match text {
-        None => Ok(None),
-        Some(text) => match parse_quantity(text, dimension) {
-            Ok(value) if value < 0.0 => Err(anyhow!("--{option} {text}: must not be negative")),
-            Ok(value) => Ok(Some(value)),
-            Err(cause) => Err(anyhow!("--{option}: {cause}")),
-        },
-    };
     // `None` within draws by the tolerances.
     let error_sd = match args.error_sd.as_deref() {
         Some("tolerance") => Some(None),
@@ -108,26 +100,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ..stated
     };
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
-    let values = match (&args.errors, error_sd) {
-        (Some(path), _) => {
-            let errors = read_parameter_errors(path, mechanism)?;
-            mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect()
-        }
-        (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
-            return Err(anyhow!(
-                "{}: --error-sd tolerance: state [tolerance], or name a length",
-                args.mechanism.display()
-            ));
-        }
-        (None, Some(sd)) => draw_parameters(mechanism, sd, &mut rng),
-        (None, None) => mechanism.values().to_vec(),
-    };
-    let inner = mechanism.with_values(&values, mechanism.home())?;
-    let moving = effects_of(actual.mechanism.as_ref()).to_vec();
-    let truth: Box<dyn Mechanism> = match moving.is_empty() {
-        true => inner,
-        false => Box::new(Extended::new(inner, Arc::clone(actual.environment()), moving)),
-    };
+    let values = true_values(args, mechanism, error_sd, &mut rng)?;
+    let truth = true_mechanism(&actual, &values)?;
     let run: Vec<Command> = listed.iter().map(|l| Command { pose: l.pose, state: l.conditions.clone() }).collect();
     let context = EffectContext::new(mechanism, actual.environment());
     let instrument = Instrument { context: &context, effects: actual.instrument() };
@@ -138,18 +112,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
     })?;
     warn_outside(ui, mechanism, &samples);
-    let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
-        id: listed.id.clone(),
-        joints: sample.joints.clone(),
-        pose: sample.measured,
-    };
-    let rows: Vec<JointsAndPose> = listed.iter().zip(&samples).map(row).collect();
     let shown_noise = match args.measure {
         Measure::Pose => format!("{} and {}", show_length(noise.position), show_angle(noise.rotation)),
         Measure::Contact => show_length(noise.position),
     };
     let comment = format!("simulated: {}, noise {shown_noise}, seed {}", mechanism.name(), args.seed);
-    let mut table = joints_and_poses(&machine, comment, &rows);
+    let mut table = measurement(&machine, comment, listed, &samples);
     if args.measure == Measure::Contact {
         let heights = measured_heights(&samples, &machine.contact, &noise, &mut rng);
         with_heights(&mut table, &heights, machine.length_unit);
@@ -173,6 +141,58 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     });
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
+}
+
+/// A quantity of the call that must not be negative.
+fn quantity(option: &str, text: &Option<String>, dimension: Dimension) -> Result<Option<f64>> {
+    let Some(text) = text else { return Ok(None) };
+    match parse_quantity(text, dimension) {
+        Ok(value) if value < 0.0 => Err(anyhow!("--{option} {text}: must not be negative")),
+        Ok(value) => Ok(Some(value)),
+        Err(cause) => Err(anyhow!("--{option}: {cause}")),
+    }
+}
+
+/// Values of the parameters of the true mechanism. Errors are drawn with one standard deviation, or with the tolerances
+/// if that is `None`.
+fn true_values(
+    args: &Args,
+    mechanism: &dyn Mechanism,
+    error_sd: Option<Option<f64>>,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<f64>> {
+    match (&args.errors, error_sd) {
+        (Some(path), _) => {
+            let errors = read_parameter_errors(path, mechanism)?;
+            Ok(mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect())
+        }
+        (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
+            bail!("{}: --error-sd tolerance: state [tolerance], or name a length", args.mechanism.display())
+        }
+        (None, Some(sd)) => Ok(draw_parameters(mechanism, sd, rng)),
+        (None, None) => Ok(mechanism.values().to_vec()),
+    }
+}
+
+/// The mechanism of these values with the effects of the machine.
+fn true_mechanism(actual: &Machine, values: &[f64]) -> Result<Box<dyn Mechanism>> {
+    let inner = actual.plain().with_values(values, actual.plain().home())?;
+    let moving = effects_of(actual.mechanism.as_ref()).to_vec();
+    Ok(match moving.is_empty() {
+        true => inner,
+        false => Box::new(Extended::new(inner, Arc::clone(actual.environment()), moving)),
+    })
+}
+
+/// The table of commanded joints and measured poses.
+fn measurement(machine: &Machine, comment: String, listed: &[ListedPose], samples: &[SimulatedSample]) -> CsvTable {
+    let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
+        id: listed.id.clone(),
+        joints: sample.joints.clone(),
+        pose: sample.measured,
+    };
+    let rows: Vec<JointsAndPose> = listed.iter().zip(samples).map(row).collect();
+    joints_and_poses(machine, comment, &rows)
 }
 
 /// The machine with the effects of its file and of the call, which refer to the temperatures of the list.

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::identification::estimators::identification::Identification;
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::solve::SolveError;
 
@@ -63,7 +64,7 @@ pub enum IdentifyError {
         /// What the solver says.
         cause: SolveError,
         /// Where the iteration stood.
-        last: Box<crate::identification::Identification>,
+        last: Box<Identification>,
     },
     /// The iteration failed.
     #[error(transparent)]

@@ -1,6 +1,5 @@
 //! What a diagnosis says. Text, JSON and pictures are views of it.
 
-use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::effect::{ActiveEffect, ActsOn, Environment};
 use crate::identification::ErrorSummary;
 use crate::measurement::Frames;
@@ -125,6 +124,41 @@ pub struct JointResiduals {
     pub after: Vec<f64>,
 }
 
+/// A test that knows no cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UnknownTest {
+    /// A polynomial in a covariate, on one leg.
+    Smooth,
+    /// A step at one value of a covariate, on one leg.
+    Jump,
+    /// A sine in a covariate, on one leg.
+    Wave,
+    /// The variance along one leg against the others.
+    Scatter,
+    /// The length of the residual where the noise is known.
+    Size,
+    /// Jumps and drifts that are stacked on each other and only trace something that changes with time.
+    Patchwork,
+    /// Residuals far above the stated noise, as of another mechanism.
+    Misfit,
+}
+
+impl UnknownTest {
+    /// The word of the format.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Jump => "jump",
+            Self::Wave => "wave",
+            Self::Scatter => "scatter",
+            Self::Size => "size",
+            Self::Patchwork => "patchwork",
+            Self::Misfit => "misfit",
+        }
+    }
+}
+
 /// Something that no name explains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknown {
@@ -133,7 +167,7 @@ pub struct Unknown {
     /// Where, leg from 0.
     pub leg: Option<usize>,
     /// Which test found it.
-    pub test: &'static str,
+    pub test: UnknownTest,
     /// Its probability by chance, all tests of its kind counted.
     pub p_value: f64,
     /// Period in the covariate, SI, if it repeats.
@@ -146,7 +180,7 @@ pub struct Unknown {
 
 impl Unknown {
     /// Found by a test, and depending on nothing.
-    pub(crate) fn by(test: &'static str, p_value: f64) -> Self {
+    pub(crate) fn by(test: UnknownTest, p_value: f64) -> Self {
         Self { covariate: None, leg: None, test, p_value, period: None, runner_up: None, withdrawn: Vec::new() }
     }
 }
@@ -216,19 +250,6 @@ pub struct NotTestable {
     pub effect: String,
     /// What is missing.
     pub missing: Vec<String>,
-}
-
-impl NotTestable {
-    /// An effect whose columns the data do not see, because what it depends on hardly changes.
-    pub(crate) fn unchanging(group: &EffectColumns) -> Self {
-        let covariates = group.effect.covariates(&group.places[0].at);
-        let what = match covariates.len() {
-            0 => "what it depends on".into(),
-            1..=3 => covariates.join(", "),
-            _ => format!("{} and the others", covariates[0]),
-        };
-        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
-    }
 }
 
 /// The answer.

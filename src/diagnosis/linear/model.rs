@@ -7,7 +7,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::diagnosis::DiagnoseError;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::joint_functions::JointFunctions;

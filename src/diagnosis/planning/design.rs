@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{NotFound, NotTestable};
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
-use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
+use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
 use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::Mechanism;
@@ -53,7 +54,7 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
     for (k, group) in subject.groups.iter().enumerate() {
         match limit(&model, &subject.groups, k, subject.groups.len()) {
             Some(found) => limits.push(found),
-            None => missing.push(NotTestable::unchanging(group)),
+            None => missing.push(group.unchanging()),
         }
     }
     Ok((limits, missing))

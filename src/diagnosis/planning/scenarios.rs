@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use crate::conditions::Conditions;
-use crate::diagnosis::Question;
 use crate::diagnosis::answer::result::Diagnosis;
+use crate::diagnosis::question::Question;
 use crate::effect::{ScanPoint, effect};
 use crate::measurement::Sample;
 use crate::mechanism::Mechanism;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NoiseVaries;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};

@@ -74,14 +74,8 @@ pub(crate) fn column(
         Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
         None => Err(missing_unit(name, base, dimension)),
     };
-    if name == "id" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None, joint: None });
-    }
-    if name == "time_utc" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None, joint: None });
-    }
-    if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
-        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None, joint: None });
+    if let Some(meaning) = whole_name(name) {
+        return Ok(Column { name: name.into(), meaning, unit: None, joint: None });
     }
     // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
     // `leg1_mm`, though, `leg1_load` is one.
@@ -122,15 +116,7 @@ pub(crate) fn column(
             return Ok(Column { joint: Some(joint.clone()), ..column });
         }
     }
-    if leg_number(base).is_some() {
-        let legs = mechanism.joints().len();
-        if mechanism.joints().iter().all(|j| leg_number(&j.name).is_none()) {
-            let joints: Vec<&str> = mechanism.joints().iter().map(|j| j.name.as_str()).collect();
-            let joints = joints.join(", ");
-            return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
-        }
-        return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
-    }
+    check_leg(base, mechanism.joints())?;
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
@@ -140,6 +126,27 @@ pub(crate) fn column(
         }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
+}
+
+/// What a name means that ends in no unit.
+fn whole_name(name: &str) -> Option<Meaning> {
+    match name {
+        "id" => Some(Meaning::Id),
+        "time_utc" => Some(Meaning::Clock),
+        _ => ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name).map(Meaning::Quaternion),
+    }
+}
+
+/// Refuses the name of a leg that the mechanism does not have.
+fn check_leg(base: &str, joints: &[JointSpec]) -> Result<(), String> {
+    if leg_number(base).is_none() {
+        return Ok(());
+    }
+    if joints.iter().all(|j| leg_number(&j.name).is_none()) {
+        let joints = joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
+    }
+    Err(format!("the mechanism has legs 1 to {}; correct the number or delete the column", joints.len()))
 }
 
 fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::conditions::Conditions;
 use crate::effect::{ActiveEffect, WithInstrumentEffects};
 use crate::files::error::FileError;
-use crate::files::machine::{Machine, POSE};
+use crate::files::machine::Machine;
+use crate::files::mechanism::kinds::pose;
 use crate::files::table::column::Meaning;
 use crate::files::table::readings::{contact_readings, pose_readings, target_readings};
 use crate::files::table::states::States;
@@ -106,7 +107,7 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
     let header = |problem: String| FileError::Header { path: table.path.clone(), problem };
     let from_pose = commanded.iter().any(Option::is_some) && missing.len() == joints.len();
     // What was not commanded to a positioner in pose space was commanded to be zero.
-    let pose_space = machine.document.kind == POSE;
+    let pose_space = machine.document.kind == pose::KIND.name;
     if !missing.is_empty() && !from_pose && !pose_space {
         let length = machine.length_unit.name;
         let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);

@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::files::error::{FileError, read_text};
 use crate::files::machine::Machine;
-use crate::files::mechanism::read::MOST;
+use crate::files::mechanism::reader::MOST;
 use crate::files::table::column::{Column, Meaning, column};
 
 /// A table whose rows all have the length of its header.

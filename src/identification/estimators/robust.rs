@@ -3,12 +3,14 @@
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 
-use crate::identification::estimators::identification::{linearized, with_unit_columns};
-use crate::identification::estimators::identifiers::choose_prior;
-use crate::identification::problem::calibration_problem::{CalibrationProblem, Weights};
-use crate::identification::{Identification, Identifier, IdentifyError, Task};
+use crate::identification::error::IdentifyError;
+use crate::identification::estimators::identification::Identification;
+use crate::identification::estimators::identifiers::{Identifier, choose_prior};
+use crate::identification::problem::calibration_problem::CalibrationProblem;
+use crate::identification::task::{Task, Weights};
 use crate::solve::{
     IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
+    linearized, with_unit_columns,
 };
 
 /// How much a sample counts, by its whitened length `d` over the scale.

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector6};
 
-use crate::identification::IdentifyError;
-use crate::identification::judgement::model_errors::each_sample;
+use crate::identification::error::IdentifyError;
+use crate::identification::judgement::samples::each_sample;
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{Mechanism, MotionBlock, characteristic_length};
 use crate::pose::Pose;

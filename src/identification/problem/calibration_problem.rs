@@ -4,23 +4,15 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX};
 
+use crate::identification::error::IdentifyError;
+use crate::identification::problem::prior::Prior;
 use crate::identification::problem::redundancy::Redundancy;
 use crate::identification::problem::whitening::Whitening;
-use crate::identification::{IdentifyError, Prior, Task};
+use crate::identification::task::{Task, Weights};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
 use crate::pose::Pose;
 use crate::solve::{EvaluationError, LeastSquaresProblem};
-
-/// How rows are weighted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Weights {
-    /// By the covariance of the reading and of the joints.
-    #[default]
-    Noise,
-    /// Not at all, on millimetres and radians: the paper's estimator.
-    MillimetresAndRadians,
-}
 
 /// Whitened residual `W(ŷ(x) - y)` of a dataset, with prior rows `(x - x₀)/σ₀` below it.
 ///

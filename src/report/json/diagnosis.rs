@@ -94,7 +94,7 @@ fn unknown(u: &Unknown) -> Value {
     json!({
         "covariate": u.covariate,
         "leg": u.leg.map(|leg| leg + 1),
-        "test": u.test,
+        "test": u.test.word(),
         "p_value": real(u.p_value),
         "period": u.period.map(real),
         "runner_up": u.runner_up,

@@ -2,7 +2,7 @@
 
 use super::settlement::limit_table;
 use super::{errors_row, table};
-use crate::diagnosis::{Cause, Diagnosis, Unknown, Verdict};
+use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
 use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
@@ -108,12 +108,14 @@ pub fn verdict(d: &Diagnosis) -> String {
 fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
     let leg = at_leg(d, u.leg);
     match (&u.covariate, u.test) {
-        (Some(covariate), "patchwork") => format!(", changes with {covariate}, and the names above only trace it"),
+        (Some(covariate), UnknownTest::Patchwork) => {
+            format!(", changes with {covariate}, and the names above only trace it")
+        }
         (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
-        (None, "misfit") => {
+        (None, UnknownTest::Misfit) => {
             ", because the data do not fit the mechanism at all: check the file and the mechanism".into()
         }
-        (None, "scatter") => format!(", scatters{leg} and depends on nothing that was recorded"),
+        (None, UnknownTest::Scatter) => format!(", scatters{leg} and depends on nothing that was recorded"),
         (None, _) => ", larger than the stated noise".into(),
     }
 }

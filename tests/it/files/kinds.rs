@@ -241,3 +241,20 @@ fn what_is_wrong_with_a_kind_is_named() {
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
     refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);
 }
+
+#[test]
+fn an_unknown_kind_is_refused_with_the_list() {
+    let known = ["six-hardpoint", "rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables", "pose"];
+    let quoted: Vec<String> = known.iter().map(|kind| format!("\"{kind}\"")).collect();
+    let mut expected = vec!["'tripod-3rrs' is not a kind of mechanism"];
+    expected.extend(quoted.iter().map(String::as_str));
+    refused("tripod-3rps", "\"tripod-3rps\"", "\"tripod-3rrs\"", &expected);
+}
+
+#[test]
+fn parts_of_other_kinds_are_refused() {
+    let cable = "[[cable]]\nsegments = [1]\n\n[home]";
+    refused("tripod-3rps", "[home]", cable, &["[[cable]]", "means nothing for type \"tripod-3rps\"", "delete it"]);
+    let offset = "[offset]\nposition = [1.0, 0.0, 0.0]\n\n[home]";
+    refused("planar-cables", "[home]", offset, &["[offset]", "means nothing for type \"planar-cables\""]);
+}
