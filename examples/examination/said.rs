@@ -79,7 +79,7 @@ impl Said {
             causes: causes.collect(),
             unknown: diagnosis.unknown.as_ref().map(|u| (u.covariate.clone(), u.leg.map(|leg| leg + 1))),
             detail: diagnosis.unknown.as_ref().map_or_else(String::new, |u| {
-                let test = format!(" by {} p {:.0e}", u.test, u.p_value);
+                let test = format!(" by {} p {:.0e}", u.test.word(), u.p_value);
                 if u.withdrawn.is_empty() { test } else { format!("{test}, not {}", u.withdrawn.join(" nor ")) }
             }),
             reading: diagnosis.misread.as_ref().map(|m| (m.reading.clone(), m.detail.clone())),
