@@ -2,8 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{Frames, MeasurementModel, Noise, RowKind};
+use nalgebra::DMatrix;
+
+use super::{Frames, MeasurementModel, Noise, RowKind, Rows};
 use crate::conditions::Conditions;
+use crate::pose::Pose;
 
 /// One measured sample, without its reading.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,6 +67,18 @@ impl Dataset {
         self.kept.iter().map(|&k| &self.samples[k])
     }
 
+    /// Residual and derivatives of the `k`-th kept sample at a pose of the platform, with the own parameters of the model;
+    /// `out` as for [`MeasurementModel::evaluate`].
+    pub fn evaluate(&self, k: usize, pose: &Pose, own: &[f64], out: &mut Rows) {
+        let index = self.kept[k];
+        self.model.evaluate(index, &self.samples[index], pose, &self.frames, own, out);
+    }
+
+    /// Covariance of the `k`-th kept reading, SI.
+    pub fn covariance(&self, k: usize) -> DMatrix<f64> {
+        self.model.covariance(self.kept[k], &self.frames)
+    }
+
     /// The model, and the index in it of the `k`-th kept sample.
     pub fn reading(&self, k: usize) -> (&dyn MeasurementModel, usize) {
         (self.model.as_ref(), self.kept[k])
@@ -87,11 +102,6 @@ impl Dataset {
     /// The samples at these positions among the kept ones.
     pub fn subset(&self, positions: &[usize]) -> Self {
         Self { kept: positions.iter().map(|&k| self.kept[k]).collect(), ..self.clone() }
-    }
-
-    /// All samples of the measurement, kept or not.
-    pub fn all_samples(&self) -> &[Sample] {
-        &self.samples
     }
 
     /// The same data with another model of the same readings.

@@ -79,10 +79,10 @@ pub trait MeasurementModel: Debug + Send + Sync {
         self.nuisance_parameters().iter().map(|p| p.nominal).collect()
     }
 
-    /// Residual and derivatives of one sample at a pose of the platform.
+    /// Residual and derivatives of the reading `index` at a pose of the platform; `sample` was measured by it.
     ///
     /// `out` has been sized for the rows of the sample and is zero; entries that are not zero are set.
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
+    fn evaluate(&self, index: usize, sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
 
     /// Covariance of the reading (k × k), SI.
     fn covariance(&self, sample: usize, frames: &Frames) -> DMatrix<f64>;

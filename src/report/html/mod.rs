@@ -75,8 +75,7 @@ impl Measured<'_> {
     fn noise(&self, stated: Option<[f64; 2]>) -> Option<[f64; 2]> {
         let stated = stated?;
         let as_stated = |k: usize| {
-            let (model, index) = self.data.reading(k);
-            let covariance = model.covariance(index, &self.data.frames);
+            let covariance = self.data.covariance(k);
             let sigma = |kind: &RowKind| stated[usize::from(*kind == RowKind::Rotation)];
             let rows = self.data.rows(k);
             rows.iter().enumerate().all(|(i, kind)| (covariance[(i, i)].sqrt() / sigma(kind) - 1.0).abs() < 1e-6)
