@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::{Frames, MeasurementModel, Noise, RowKind, Rows};
+use super::{DataRow, Frames, MeasurementModel, Noise, RowKind, Rows, SamplePosition};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
@@ -13,8 +13,8 @@ use crate::pose::Pose;
 pub struct Sample {
     /// Label from the file.
     pub id: Option<String>,
-    /// 0-based data row in the file.
-    pub row: usize,
+    /// Where it is in the file.
+    pub row: DataRow,
     /// Commanded (or read) joint coordinates, SI.
     pub joints: Vec<f64>,
     /// Operating state.
@@ -60,6 +60,11 @@ impl Dataset {
     /// The `k`-th sample that is kept.
     pub fn sample(&self, k: usize) -> &Sample {
         &self.samples[self.kept[k]]
+    }
+
+    /// The data row of a kept sample.
+    pub fn row(&self, position: SamplePosition) -> DataRow {
+        self.sample(position.0).row
     }
 
     /// The kept samples in order.

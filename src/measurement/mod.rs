@@ -30,6 +30,7 @@ mod frames;
 mod noise;
 mod plane_contact;
 mod pose_measurement;
+mod row;
 mod targets;
 
 use std::fmt::Debug;
@@ -41,6 +42,7 @@ pub use frames::Frames;
 pub use noise::Noise;
 pub use plane_contact::{Contact, ContactReading, Plane, PlaneContact};
 pub use pose_measurement::{PoseMeasurement, PoseReading};
+pub use row::{DataRow, SamplePosition};
 pub use targets::{TargetMeasurement, TargetPoint};
 
 use crate::mechanism::ParameterSpec;
@@ -71,6 +73,11 @@ pub trait MeasurementModel: Debug + Send + Sync {
     /// Parameters of the measurement that are identified together with those of the mechanism.
     fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &[]
+    }
+
+    /// Heading of the table of these parameters.
+    fn nuisance_heading(&self) -> &'static str {
+        "Identified with the measurement"
     }
 
     /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;

@@ -102,6 +102,10 @@ impl MeasurementModel for TargetMeasurement {
         &self.own
     }
 
+    fn nuisance_heading(&self) -> &'static str {
+        "Identified target coordinates"
+    }
+
     fn start(&self, poses: &[Option<Pose>], frames: &Frames) -> Vec<f64> {
         let mut start = Vec::with_capacity(self.own.len());
         for (t, _) in self.targets.iter().enumerate().filter(|(_, t)| t.platform.is_none()) {

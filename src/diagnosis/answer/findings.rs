@@ -16,6 +16,7 @@ use crate::diagnosis::search::stepwise::{Score, TIED, related, scores, separabil
 use crate::diagnosis::{DiagnoseError, Question};
 use crate::effect::EffectParameter;
 use crate::identification::Registration;
+use crate::measurement::DataRow;
 use crate::units::{Dimension, three_digits};
 
 /// A size below this many limits is tentative.
@@ -81,7 +82,7 @@ pub(crate) fn findings(
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept));
     }
-    let rows: Vec<usize> = state.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
+    let rows: Vec<DataRow> = state.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
     let values = state.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect();
@@ -167,7 +168,7 @@ fn price_of_places(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> f64 {
 fn causes(subject: &Hypotheses<'_>, state: &SearchState, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
     let step = model.step();
     let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
     let mut all = Vec::with_capacity(state.names.len());
     let mut at = 0;
     for (k, name) in state.names.iter().enumerate() {
@@ -237,7 +238,7 @@ fn rivals(
     variance: f64,
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
     let mut tied: Vec<Rival> = Vec::new();
     for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
         let log_bayes_factor = own - s.evidence;

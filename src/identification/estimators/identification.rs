@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::problem::calibration_problem::{CalibrationProblem, Weights};
 use crate::identification::{IdentifyError, Prior, Task};
+use crate::measurement::{DataRow, SamplePosition};
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
 use crate::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution, SolveError, svd};
@@ -45,8 +46,8 @@ pub struct Identification {
     pub misfit: GoodnessOfFit,
     /// Weight of each sample; below one only in robust fits.
     pub weights: Vec<f64>,
-    /// Samples (positions in the data) that a robust fit judges to be gross errors.
-    pub outliers: Vec<usize>,
+    /// Data rows that a robust fit judges to be gross errors.
+    pub outliers: Vec<DataRow>,
     /// Predicted pose of each sample, base frame.
     pub poses: Vec<Pose>,
 }
@@ -57,7 +58,8 @@ const RANK: f64 = 1e-10;
 impl Identification {
     /// Puts a solution of `problem` together with its covariance and misfit.
     ///
-    /// `noise_scale` is the σ of the readings over the stated one that the covariance is stated for.
+    /// `noise_scale` is the σ of the readings over the stated one that the covariance is stated for; `outliers` are the
+    /// samples that are left out of the test of the residuals.
     ///
     /// # Errors
     /// [`IdentifyError`] if the rows cannot be evaluated at the solution.
@@ -67,7 +69,7 @@ impl Identification {
         solution: &LeastSquaresSolution,
         noise_scale: f64,
         weights: Vec<f64>,
-        outliers: Vec<usize>,
+        outliers: &[SamplePosition],
     ) -> Result<Self, IdentifyError> {
         let n = solution.x.len();
         let (pseudo_inverse, mut rank, mut determined) = pseudo_inverse(&solution.jacobian);
@@ -86,7 +88,7 @@ impl Identification {
                 problem.covariance_through(&pseudo_inverse) * noise_scale.powi(2)
             }
         };
-        let misfit = match GoodnessOfFit::at(task, &solution.x, problem.poses(), &outliers) {
+        let misfit = match GoodnessOfFit::at(task, &solution.x, problem.poses(), outliers) {
             // Data that were misread can lead to a model that does not reach its own samples.
             Err(IdentifyError::Solve(_)) => GoodnessOfFit::beyond_measure(task),
             other => other?,
@@ -117,7 +119,7 @@ impl Identification {
             noise_scale,
             misfit,
             weights,
-            outliers,
+            outliers: outliers.iter().map(|k| task.data.row(*k)).collect(),
             poses: problem.poses().to_vec(),
         })
     }
@@ -136,6 +138,18 @@ impl Identification {
     pub fn mechanism_covariance(&self) -> DMatrix<f64> {
         let n = self.mechanism_parameters;
         self.covariance.view((0, 0), (n, n)).into_owned()
+    }
+
+    /// The `most` pairs of parameters that are most correlated, by name.
+    pub fn strongest_correlations(&self, most: usize) -> Vec<(&str, &str, f64)> {
+        let correlation = self.correlation();
+        let name = |k: usize| self.parameters[k].spec.name.as_str();
+        let n = self.parameters.len();
+        let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+        let mut pairs: Vec<_> = pairs.map(|(i, j)| (name(i), name(j), correlation[(i, j)])).collect();
+        pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        pairs.truncate(most);
+        pairs
     }
 
     /// Correlation of every two parameters; 0 where one is not determined.

@@ -6,6 +6,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::identification::estimators::identification::{linearized, with_unit_columns};
 use crate::identification::problem::calibration_problem::{CalibrationProblem, Weights};
 use crate::identification::{IdentifyError, Task};
+use crate::measurement::SamplePosition;
 use crate::pose::Pose;
 
 /// Test of the model against the noise.
@@ -24,15 +25,15 @@ pub struct GoodnessOfFit {
 }
 
 impl GoodnessOfFit {
-    /// The test at `x`, where the samples have these `poses`, without the samples at the positions `left_out`.
+    /// The test at `x`, where the samples have these `poses`, without the samples that are `left_out`.
     pub(crate) fn at(
         task: &Task<'_>,
         x: &DVector<f64>,
         poses: &[Pose],
-        left_out: &[usize],
+        left_out: &[SamplePosition],
     ) -> Result<Self, IdentifyError> {
         let weighted = Task { weights: Weights::Noise, ..*task };
-        let kept: Vec<usize> = (0..task.data.len()).filter(|k| !left_out.contains(k)).collect();
+        let kept: Vec<usize> = (0..task.data.len()).filter(|k| !left_out.contains(&SamplePosition(*k))).collect();
         let data = task.data.subset(&kept);
         let mut problem = CalibrationProblem::new(&Task { data: &data, ..weighted }, None, 1.0)?;
         problem.start_from(kept.iter().map(|k| poses[*k]));

@@ -22,7 +22,7 @@ pub use selection::selection;
 
 use pictures::{Displacements, by_row, drawing, histograms, maps};
 
-use crate::measurement::{Dataset, RowKind};
+use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
@@ -55,7 +55,7 @@ impl Subject<'_> {
 
 impl Measured<'_> {
     /// Where the models are wrong and by how much; `marked` rows look like gross errors.
-    fn pictures(&self, subject: &Subject<'_>, marked: &[usize]) -> Vec<Part> {
+    fn pictures(&self, subject: &Subject<'_>, marked: &[DataRow]) -> Vec<Part> {
         let models: Vec<&ModelResiduals> = self.models.iter().collect();
         let noise = self.noise(subject.noise);
         let mut pictures = vec![

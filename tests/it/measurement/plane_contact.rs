@@ -9,7 +9,7 @@ use paracal::identification::{
     CalibrationOptions, CalibrationProblem, Identifier, LevenbergMarquardt, PriorPolicy, Task, calibrate, evaluate,
 };
 use paracal::measurement::{
-    Contact, ContactReading, Dataset, Frames, MeasurementModel, Noise, Plane, PlaneContact, Sample,
+    Contact, ContactReading, DataRow, Dataset, Frames, MeasurementModel, Noise, Plane, PlaneContact, Sample,
 };
 use paracal::mechanism::{Body, rigid_directions};
 use paracal::nalgebra::{DMatrix, DVector, Rotation3, Vector3};
@@ -193,7 +193,7 @@ fn touches_find_a_plane_of_which_little_is_known() {
         let tip = pose.place(&Vector3::from(TIP));
         pose.position -= *plane.normal * (plane.normal.dot(&tip) - plane.distance + SIGMA * z);
         let joints = truth.inverse(truth.values(), &pose, &at).unwrap();
-        samples.push(paracal::measurement::Sample { row, joints, ..Default::default() });
+        samples.push(paracal::measurement::Sample { row: DataRow(row), joints, ..Default::default() });
         readings.push(ContactReading { height: Some(0.0), sigma: SIGMA });
     }
     let contact = Contact { tip: Vector3::from(TIP), known: false, ..Contact::default() };
