@@ -83,7 +83,7 @@ impl Said {
                 if u.withdrawn.is_empty() { test } else { format!("{test}, not {}", u.withdrawn.join(" nor ")) }
             }),
             reading: diagnosis.misread.as_ref().map(|m| (m.reading.clone(), m.detail.clone())),
-            outlier_rows: diagnosis.outlier_rows.clone(),
+            outlier_rows: diagnosis.outlier_rows.iter().map(|row| row.0).collect(),
             noise_varies: diagnosis.noise_varies.as_ref().map(|n| n.covariate.clone()),
             after_over_floor: gain.position_after.zip(gain.noise_floor_position).map(|(after, floor)| after / floor),
         }

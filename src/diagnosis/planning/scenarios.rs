@@ -8,7 +8,7 @@ use crate::conditions::Conditions;
 use crate::diagnosis::answer::result::Diagnosis;
 use crate::diagnosis::question::Question;
 use crate::effect::{ScanPoint, effect};
-use crate::measurement::Sample;
+use crate::measurement::{DataRow, Sample};
 use crate::mechanism::Mechanism;
 
 /// Samples that a plan adds.
@@ -40,7 +40,7 @@ pub(crate) fn scenarios(
                 run.part = 1.05 + 0.01 * k as f64;
             }
             change(k, &mut conditions);
-            Sample { id: None, row: n + k, joints: s.joints.clone(), conditions }
+            Sample { id: None, row: DataRow(n + k), joints: s.joints.clone(), conditions }
         };
         chosen.iter().enumerate().map(make).collect()
     };

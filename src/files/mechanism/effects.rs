@@ -169,6 +169,12 @@ impl Machine {
         &self.instrument
     }
 
+    /// The same with the values that were identified: the last of the parameters `own` of the data.
+    pub fn instrument_with(&self, own: &[f64]) -> Vec<ActiveEffect> {
+        let count: usize = self.instrument.iter().map(|e| e.values.len()).sum();
+        ActiveEffect::with_values(&self.instrument, own[own.len().saturating_sub(count)..].iter().copied())
+    }
+
     /// All effects of its file: those on the mechanism, then those on the measurement.
     pub fn effects(&self) -> Vec<ActiveEffect> {
         effects_of(self.mechanism.as_ref()).iter().chain(&self.instrument).cloned().collect()

@@ -15,14 +15,10 @@ pub(crate) enum Meaning {
     Pose(usize),
     /// Component w x y z of the measured rotation.
     Quaternion(usize),
-    /// Coordinate of a target, by name and axis.
-    Target(String, usize),
     /// 1σ of a coordinate of the measured pose.
     Sigma(usize),
-    /// Height of the tip over the plane.
-    Contact,
-    /// 1σ of such a height.
-    SigmaContact,
+    /// What a kind of reading other than the pose measures.
+    Reading(ReadingColumn),
     /// Coordinate of the commanded pose.
     Commanded(usize),
     /// Clock time.
@@ -30,6 +26,22 @@ pub(crate) enum Meaning {
     /// Anything else that is a number, by name without unit.
     Covariate(String),
 }
+
+/// A column of a kind of reading.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReadingColumn {
+    /// The name of the kind.
+    pub(crate) kind: &'static str,
+    /// What is measured: the name of a target.
+    pub(crate) quantity: String,
+    /// Which coordinate of it.
+    pub(crate) axis: usize,
+    /// True for its 1σ.
+    pub(crate) sigma: bool,
+}
+
+/// What names of columns mean to the kinds of reading, with the dimension of their numbers.
+pub(crate) type ReadingNames<'a> = &'a dyn Fn(&str) -> Option<(ReadingColumn, Dimension)>;
 
 /// A column with the unit that its name states.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +68,7 @@ pub(crate) fn column(
     name: &str,
     header: &[String],
     mechanism: &dyn Mechanism,
-    targets: &[String],
+    readings: ReadingNames<'_>,
     joints: &[JointColumn],
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
@@ -95,14 +107,8 @@ pub(crate) fn column(
         if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
             return with(Meaning::Commanded(k), pose_dimension(k));
         }
-        if candidate == "contact" {
-            return with(Meaning::Contact, Dimension::Length);
-        }
-        if candidate == "sigma_contact" {
-            return with(Meaning::SigmaContact, Dimension::Length);
-        }
-        if let Some((target, axis)) = target(candidate, targets) {
-            return with(Meaning::Target(target, axis), Dimension::Length);
+        if let Some((reading, dimension)) = readings(candidate) {
+            return with(Meaning::Reading(reading), dimension);
         }
         if candidate.starts_with("temp_") {
             return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
@@ -120,7 +126,7 @@ pub(crate) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, targets, joints);
+        let known = column(&small, &[], mechanism, readings, joints);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are written in small letters; did you mean '{small}'?"));
         }
