@@ -1,5 +1,6 @@
-//! What each effect does to a mechanism and to readings, and effects from outside the crate.
+//! What each effect does to a mechanism and to readings; effects and wrappers from outside the crate.
 
 #[cfg(feature = "conformance")]
 mod own_effect;
 mod truth;
+mod wrapped;
