@@ -30,6 +30,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::files::ReadOptions;
 use common::{Ui, report_error};
 
 /// Calibrates parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms.
@@ -92,7 +93,8 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {
-    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()?, warnings: RefCell::default() };
+    let reading = ReadOptions { urdf: cli.urdf.options()?, ..ReadOptions::default() };
+    let ui = Ui { json: cli.json, quiet: cli.quiet, reading, warnings: RefCell::default() };
     match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),

@@ -5,7 +5,7 @@
 //! | verdict | meaning |
 //! |---|---|
 //! | clean | what is left is noise |
-//! | named | causes of the [catalogue](crate::effect::catalogue()) explain it |
+//! | named | causes of the [catalogue](crate::effect::Catalogue) explain it |
 //! | tied | they do, but the data do not exclude other names |
 //! | unknown | something depends on a covariate, or sits at a leg, and no name explains it |
 //! | misread | the file was read wrongly: a sign, a unit, an order |
@@ -47,7 +47,7 @@ pub use planning::design::{detection_limits, planned};
 
 pub use planning::settle::{MeasurementPlan, Separation, TOLD_APART, settle};
 
-use crate::effect::{Effect, Environment};
+use crate::effect::{Catalogue, Environment};
 use crate::identification::{ErrorSummary, Prior, register};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
@@ -74,7 +74,7 @@ pub struct Question<'a> {
     /// How the data write poses.
     pub convention: PoseConvention,
     /// The effects that are looked for.
-    pub catalogue: Vec<Arc<dyn Effect>>,
+    pub catalogue: Catalogue,
     /// True if the stated noise is taken as known; otherwise only its ratio of position to rotation is.
     pub noise_known: bool,
     /// Seed of the folds.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use crate::effect::{ActiveEffect, Environment, effects_of, without_effects};
+use crate::conditions::ConditionTable;
+use crate::effect::{ActiveEffect, Catalogue, Environment, effects_of, without_effects};
 use crate::files::error::{FileError, read_text};
 use crate::files::mechanism::document::{
     HomeSection, LegEntry, MechanismDocument, MountingSection, TargetEntry, WorkspaceSection,
@@ -14,7 +15,8 @@ use crate::files::mechanism::document::{
 use crate::files::mechanism::kinds::{self, Parts, parts};
 use crate::files::mechanism::plane::{PlaneSection, carried};
 use crate::files::mechanism::read::{Reader, build};
-use crate::files::urdf::{self, UrdfOptions};
+use crate::files::read_options::ReadOptions;
+use crate::files::urdf;
 use crate::measurement::{Contact, Frames, Noise, TargetPoint};
 use crate::mechanism::{GeometryError, Leg, Mechanism, PosePositioner, SixHardpoint, Workspace};
 use crate::pose::{Pose, PoseConvention};
@@ -47,6 +49,8 @@ pub struct Machine {
     pub contact: Contact,
     /// What stands around the mechanism.
     pub(super) environment: Arc<Environment>,
+    /// The effects that its file may state.
+    pub(super) catalogue: Catalogue,
     /// Effects of its file on the measurement.
     pub(super) instrument: Vec<ActiveEffect>,
     /// Unit of its lengths.
@@ -66,14 +70,14 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        Self::read_with(path, &UrdfOptions::default())
+        Self::read_with(path, &ReadOptions::default())
     }
 
-    /// The same, with what a URDF file leaves open.
+    /// Reads a mechanism file with effects and conditions of one's own, or with what a URDF file leaves open.
     ///
     /// # Errors
-    /// [`FileError`] naming the place and what to do; also if `options` are given for a file without URDF.
-    pub fn read_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Result<Self, FileError> {
+    /// [`FileError`] naming the place and what to do; also if options of URDF are given for another file.
+    pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, FileError> {
         let path = path.as_ref();
         let text = read_text(path)?;
         let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
@@ -83,11 +87,11 @@ impl Machine {
         if let Some(robot) = urdf::names_a_urdf(&text) {
             return urdf::read_named(path, &text, &robot, options);
         }
-        if !options.is_empty() {
+        if !options.urdf.is_empty() {
             let problem = "closures, links and joint coordinates are stated for URDF files only, and this is none";
             return Err(value("the call", format!("{problem}; leave the options out")));
         }
-        let machine = Self::from_text(&text, path);
+        let machine = Self::from_text_with(&text, path, options);
         let robot = path.with_extension("urdf");
         if matches!(
             &machine,
@@ -106,12 +110,20 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_text(text: &str, path: &Path) -> Result<Self, FileError> {
+        Self::from_text_with(text, path, &ReadOptions::default())
+    }
+
+    /// Reads the text of a mechanism file as [`read_with`](Self::read_with) reads a file; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_text_with(text: &str, path: &Path, options: &ReadOptions) -> Result<Self, FileError> {
         if urdf::is_xml(text) {
-            return urdf::from_text(path, text, &UrdfOptions::default());
+            return urdf::from_text(path, text, options);
         }
         let document: MechanismDocument = toml::from_str(text)
             .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
-        Self::from_document(document, path)
+        Self::from_document_with(document, path, options)
     }
 
     /// The machine of a document; `path` is only named in errors.
@@ -119,7 +131,44 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_document(document: MechanismDocument, path: &Path) -> Result<Self, FileError> {
-        build(&Reader::of(path, &document)?, document)
+        Self::from_document_with(document, path, &ReadOptions::default())
+    }
+
+    /// The machine of a document with effects and conditions of one's own; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_document_with(
+        document: MechanismDocument,
+        path: &Path,
+        options: &ReadOptions,
+    ) -> Result<Self, FileError> {
+        build(&Reader::of(path, &document)?, document, options)
+    }
+
+    /// The machine of another document, with the effects and conditions that this one was read with.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn with_document(&self, document: MechanismDocument) -> Result<Self, FileError> {
+        let options = ReadOptions {
+            catalogue: self.catalogue.clone(),
+            condition_kinds: self.condition_kinds().clone(),
+            ..ReadOptions::default()
+        };
+        let mut other = Self::from_document_with(document, &self.path, &options)?;
+        other.inputs.clone_from(&self.inputs);
+        Ok(other)
+    }
+
+    /// The effects that its file may state and that a diagnosis looks for.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// What the covariates of its data mean.
+    pub fn condition_kinds(&self) -> &ConditionTable {
+        &self.environment.condition_kinds
     }
 
     /// Every file that it was read from.

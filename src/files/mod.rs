@@ -12,6 +12,7 @@ mod machine;
 mod mechanism;
 mod outputs;
 mod questions;
+mod read_options;
 mod table;
 mod urdf;
 
@@ -24,6 +25,7 @@ pub use mechanism::document::{
 pub use mechanism::entries::{EffectEntry, OffsetSection, SensorEntry};
 pub use mechanism::plane::PlaneSection;
 pub use outputs::Outputs;
+pub use read_options::ReadOptions;
 pub use table::measurement_file::{Measurement, read_measurement};
 pub use table::planned::{PlannedConditions, read_conditions};
 pub use table::pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};

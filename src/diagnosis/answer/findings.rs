@@ -1,5 +1,6 @@
 //! From the end of the search to the answer.
 
+use crate::conditions::TIME;
 use crate::diagnosis::answer::evidence::{added_variable, joint_residuals};
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
 use crate::diagnosis::answer::limits::{lambda, limit};
@@ -40,7 +41,8 @@ pub(crate) fn findings(
 ) -> Result<Diagnosis, DiagnoseError> {
     let model = state.model(subject, state.names.clone())?;
     let without = state.model(subject, Vec::new())?;
-    let known = covariates(subject.data);
+    let kinds = &subject.environment.condition_kinds;
+    let known = covariates(subject.data, kinds);
     let mut causes = causes(subject, state, &model)?;
     let mut unknown = remainder(&model, &known).filter(|u| !is_rounding(state, &without, &model, u.leg));
     let mut effects = state.point.effects.clone();
@@ -58,7 +60,7 @@ pub(crate) fn findings(
     if unknown.is_none() && patchwork(subject, &state.names) {
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
-            covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
+            covariate: Some(if known.iter().any(|c| c.name == TIME) { TIME.into() } else { "row".into() }),
             ..Unknown::by("patchwork", causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
@@ -79,7 +81,7 @@ pub(crate) fn findings(
     let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
-        effect.range = effect.range_over(&subject.data.subset(&kept));
+        effect.range = effect.range_over(&subject.data.subset(&kept), kinds);
     }
     let rows: Vec<usize> = state.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
     let step = judged.step();
@@ -151,7 +153,7 @@ fn patchwork(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> bool {
         name.from.is_some() && names[..k].iter().any(|other| other.group == name.group)
     };
     let about_time =
-        |name: &&Hypothesis| group(name).effect.covariates(&group(name).places[name.place].at).contains(&"time".into());
+        |name: &&Hypothesis| group(name).effect.covariates(&group(name).places[name.place].at).contains(&TIME.into());
     names.iter().enumerate().any(twice) || names.iter().filter(about_time).count() >= 3
 }
 

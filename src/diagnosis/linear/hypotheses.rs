@@ -9,8 +9,8 @@ use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NotTestable;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::effect::{
-    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Extended, Perturbation,
-    Scan, ScanPoint, Site, WithInstrumentEffects,
+    ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, EffectParameter, Environment, Extended,
+    Perturbation, Scan, ScanPoint, Site, WithInstrumentEffects,
 };
 use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
 use crate::measurement::Dataset;
@@ -99,7 +99,7 @@ impl<'a> Hypotheses<'a> {
         data: &'a Dataset,
         environment: Arc<Environment>,
         prior: Prior,
-        catalogue: &[Arc<dyn Effect>],
+        catalogue: &Catalogue,
     ) -> (Self, Vec<NotTestable>) {
         let available = AvailableData::of(data);
         let mut groups = Vec::new();

@@ -13,6 +13,7 @@ use crate::files::mechanism::effects::{Effects, with_effects};
 use crate::files::mechanism::environment::environment;
 use crate::files::mechanism::kinds::{self, KINDS, check_keys};
 use crate::files::mechanism::positioner::pose_positioner;
+use crate::files::read_options::ReadOptions;
 use crate::files::table::joint_columns::check_joints;
 use crate::files::table::writer::number;
 use crate::measurement::{Noise, TargetPoint};
@@ -258,7 +259,7 @@ fn other_kind(
 }
 
 /// Builds the machine of a document.
-pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
+pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument, options: &ReadOptions) -> Result<Machine, FileError> {
     let path = r.path;
     let kind = document.kind.as_str();
     let kinds = || std::iter::once(SIX_HARDPOINT).chain(KINDS).chain([POSE]);
@@ -319,9 +320,10 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     let contact = document.plane.as_ref().map(|p| p.read(r)).transpose()?.unwrap_or_default();
     let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
     let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
-    let environment = Environment { home_joints, ..environment(r, &document)? };
-    let Effects { mechanism, instrument, environment } = with_effects(r, &document, mechanism, environment)?;
-    warnings.extend(check_joints(r, &document)?);
+    let environment = Environment { home_joints, ..environment(r, &document, &options.condition_kinds)? };
+    let Effects { mechanism, instrument, environment } =
+        with_effects(r, &document, mechanism, environment, &options.catalogue)?;
+    warnings.extend(check_joints(r, &document, &options.condition_kinds)?);
     Ok(Machine {
         path: path.into(),
         mechanism,
@@ -332,6 +334,7 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         targets,
         contact,
         environment,
+        catalogue: options.catalogue.clone(),
         instrument,
         length_unit: r.length,
         angle_unit: r.angle,

@@ -1,5 +1,6 @@
 //! What a column of a table means, from its name.
 
+use crate::conditions::{ConditionTable, Role};
 use crate::files::table::joint_columns::JointColumn;
 use crate::mechanism::{JointSpec, Mechanism};
 use crate::units::{Dimension, Unit};
@@ -58,6 +59,7 @@ pub(crate) fn column(
     mechanism: &dyn Mechanism,
     targets: &[String],
     joints: &[JointColumn],
+    kinds: &ConditionTable,
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
         Some((base, suffix)) => match Unit::named(suffix) {
@@ -72,12 +74,12 @@ pub(crate) fn column(
             Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
         }
         Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
-        None => Err(missing_unit(name, base, dimension)),
+        None => Err(missing_unit(name, base, dimension, kinds)),
     };
     if name == "id" {
         return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None, joint: None });
     }
-    if name == "time_utc" {
+    if name.strip_suffix("_utc").and_then(|n| kinds.of(n)).is_some_and(|kind| kind.role == Role::Clock) {
         return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None, joint: None });
     }
     if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
@@ -110,8 +112,8 @@ pub(crate) fn column(
         if let Some((target, axis)) = target(candidate, targets) {
             return with(Meaning::Target(target, axis), Dimension::Length);
         }
-        if candidate.starts_with("temp_") {
-            return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
+        if let Some(kind) = kinds.of(candidate).filter(|kind| kind.needs_unit && kind.is_recorded()) {
+            return with(Meaning::Covariate(candidate.into()), kind.dimension);
         }
         if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
             if unit.is_none() {
@@ -134,7 +136,7 @@ pub(crate) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, targets, joints);
+        let known = column(&small, &[], mechanism, targets, joints, kinds);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are written in small letters; did you mean '{small}'?"));
         }
@@ -142,13 +144,15 @@ pub(crate) fn column(
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
 }
 
-fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
+fn missing_unit(name: &str, base: &str, dimension: Dimension, kinds: &ConditionTable) -> String {
     let choices = dimension.choices();
     let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
-    let stem = if name == base {
-        name.rsplit_once('_').map_or(name, |(s, _)| if s == "cmd" || s == "sigma" || s == "temp" { name } else { s })
-    } else {
-        base
+    // What follows the last underscore is a unit that is none of ours, unless it belongs to the name.
+    let whole = |stem: &str| matches!(stem, "cmd" | "sigma") || kinds.of(name).is_some() && kinds.of(stem).is_none();
+    let stem = match name.rsplit_once('_') {
+        Some((stem, _)) if name == base && !whole(stem) => stem,
+        _ if name == base => name,
+        _ => base,
     };
     format!("the name must end in a unit ({choices}), such as '{stem}_{first}'")
 }

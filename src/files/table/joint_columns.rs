@@ -3,6 +3,7 @@
 //! Where a leg keeps the name of its joint, `leg1_slide_mm` is the coordinate `q` of that joint, and the commanded
 //! length is `length + q`, or `length - q` if the coordinate counts the other way. `leg1_mm` stays the length itself.
 
+use crate::conditions::ConditionTable;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
@@ -46,7 +47,11 @@ impl Machine {
 }
 
 /// Checks the names of the joints of a document; the warnings are about names that columns have already.
-pub(crate) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Result<Vec<String>, FileError> {
+pub(crate) fn check_joints(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    kinds: &ConditionTable,
+) -> Result<Vec<String>, FileError> {
     let mut warnings = Vec::new();
     for (k, leg) in document.legs.iter().enumerate() {
         let place = format!("leg {}, `joint`", k + 1);
@@ -62,7 +67,7 @@ pub(crate) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         if let Some(other) = document.legs[..k].iter().position(|l| l.joint.as_ref() == Some(name)) {
             return Err(r.value(place, format!("'{name}' is the joint of leg {} already; name another", other + 1)));
         }
-        if let Some(meaning) = taken(name, document) {
+        if let Some(meaning) = taken(name, document, kinds) {
             warnings.push(format!(
                 "joint '{name}' has the name of other columns: in data, '{name}_{}' is {meaning} and not the coordinate \
                  of this joint",
@@ -74,7 +79,7 @@ pub(crate) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
 }
 
 /// What a column of this name means already.
-fn taken(name: &str, document: &MechanismDocument) -> Option<&'static str> {
+fn taken(name: &str, document: &MechanismDocument, kinds: &ConditionTable) -> Option<&'static str> {
     if name.strip_prefix("leg").is_some_and(|n| n.parse::<usize>().is_ok()) {
         return Some("the length of a leg");
     }
@@ -82,6 +87,7 @@ fn taken(name: &str, document: &MechanismDocument) -> Option<&'static str> {
     if target(name, &targets).is_some() {
         return Some("a measured target");
     }
-    let prefix = ["sigma_", "cmd_", "temp_"].iter().any(|p| name.starts_with(p));
-    (prefix || POSE_NAMES.contains(&name)).then_some("a quantity of its own")
+    let prefix = ["sigma_", "cmd_"].iter().any(|p| name.starts_with(p));
+    let condition = kinds.of(name).is_some_and(|kind| kind.needs_unit && kind.is_recorded());
+    (prefix || condition || POSE_NAMES.contains(&name)).then_some("a quantity of its own")
 }

@@ -57,6 +57,7 @@ use crate::files::error::{FileError, read_text};
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::{HomeSection, LegEntry, MechanismDocument};
 use crate::files::mechanism::read::{Reader, build};
+use crate::files::read_options::ReadOptions;
 use crate::pose::{Pose, PoseConvention};
 
 /// True if a text is XML.
@@ -65,17 +66,17 @@ pub(super) fn is_xml(text: &str) -> bool {
 }
 
 /// Reads a URDF file and what stands beside it.
-pub(super) fn read(path: &Path, text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+pub(super) fn read(path: &Path, text: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     machine(path, text, options, Beside::find(path, None)?)
 }
 
 /// Reads the text of a URDF file alone.
-pub(super) fn from_text(path: &Path, text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+pub(super) fn from_text(path: &Path, text: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     machine(path, text, options, Beside::default())
 }
 
 /// Reads a TOML file that names a URDF.
-pub(super) fn read_named(toml: &Path, text: &str, urdf: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+pub(super) fn read_named(toml: &Path, text: &str, urdf: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     let document: SideDocument = side::parse(text, toml)?;
     let path = toml.parent().unwrap_or(Path::new("")).join(urdf);
     let robot = read_text(&path)?;
@@ -84,9 +85,9 @@ pub(super) fn read_named(toml: &Path, text: &str, urdf: &str, options: &UrdfOpti
     Ok(machine)
 }
 
-fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Result<Machine, FileError> {
+fn machine(path: &Path, text: &str, options: &ReadOptions, beside: Beside) -> Result<Machine, FileError> {
     let refused = |findings: Vec<Finding>| FileError::Urdf { path: path.into(), findings };
-    let mut settings = beside.settings(options)?;
+    let mut settings = beside.settings(&options.urdf)?;
     let home_joints = beside.home_joints();
     let Beside { toml, mut files, warnings, .. } = beside;
     let (side_path, document) = toml.unzip();
@@ -121,7 +122,7 @@ fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Re
         pivot: Vector3::from(document.pivot).map(|v| reader.length.to_si(v)),
     };
     fill(&mut document, &found, per_leg, &reader, &convention);
-    let mut machine = build(&reader, document).map_err(|error| match error {
+    let mut machine = build(&reader, document, options).map_err(|error| match error {
         FileError::Geometry { cause, .. } => FileError::Geometry { path: path.into(), cause },
         error => error,
     })?;
