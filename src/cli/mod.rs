@@ -18,6 +18,7 @@ mod inspect;
 mod mutated_calls;
 mod paint;
 mod reproduce;
+pub mod reproduction;
 mod select;
 mod select_args;
 mod settle;

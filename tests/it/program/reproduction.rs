@@ -8,10 +8,10 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin;
-use paracal::reproduction::{
+use paracal::cli::reproduction::Journal;
+use paracal::cli::reproduction::{
     Agreement, Comparison, EXHIBITS, Exhibit, ReproductionContext, Settings, page, paper, reproduce,
 };
-use paracal::simulation::Journal;
 
 /// Few draws: enough for the claims that are tested here.
 const QUICK: Settings = Settings { draws: 100, candidates: 2000, lists: 3, seed: 0 };
