@@ -83,7 +83,7 @@ impl DiagnosisArgs {
         })?;
         let conditions = match (&self.conditions, states.len()) {
             (None, _) => {
-                format!("assumed (--conditions FILE states others): {}", Machine::REFERENCE_CONDITIONS)
+                format!("assumed (--conditions FILE states others): {}", machine.reference_conditions_in_words())
             }
             (Some(path), rows) if rows < n => format!("conditions of {}, whose {rows} rows repeat", path.display()),
             (Some(path), _) => format!("conditions of {}", path.display()),
