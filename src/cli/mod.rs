@@ -16,6 +16,7 @@ mod evaluate;
 mod inspect;
 mod paint;
 mod reproduce;
+pub mod reproduction;
 mod select;
 mod select_args;
 mod settle;

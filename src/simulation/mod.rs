@@ -10,13 +10,11 @@
 //! | [`Trial`] | a whole calibration: simulate, identify, and see where the calibrated model leads |
 //! | [`monte_carlo`], [`summarise`] | repeat anything with a random stream of its own for each draw |
 //! | [`RunningStats`] | mean, spread and extremes of numbers that come one by one |
-//! | [`Journal`] | work in units that survive a stop: what was done is read and not done again |
 //!
 //! Randomness comes in as a seeded generator. A draw has the stream of its number, and blocks of draws are joined in
 //! their order, so that results are the same, to the last bit, on any number of threads.
 
 mod generator;
-mod journal;
 mod monte_carlo;
 mod running_stats;
 mod trial;
@@ -24,7 +22,6 @@ mod trial;
 pub use generator::{
     Command, Instrument, SimulatedSample, as_dataset, draw_parameters, measured_heights, simulate, simulate_run,
 };
-pub use journal::{Journal, JournalError};
 pub use monte_carlo::{monte_carlo, stream, summarise};
 pub use running_stats::RunningStats;
 pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

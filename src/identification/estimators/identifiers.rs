@@ -230,7 +230,7 @@ pub fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, 
     Ok(unseen.map(|directions| Prior::holding(task.mechanism, &spectrum.scale, &directions)))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
     use crate::files::Machine;

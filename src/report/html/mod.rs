@@ -15,8 +15,10 @@ mod selection;
 pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
+pub use page::Page;
 pub(crate) use page::shell;
-pub use page::{Page, Part, Section, Tone};
+#[doc(hidden)]
+pub use page::{Part, Section, Tone};
 pub use pictures::ModelResiduals;
 pub use selection::selection;
 

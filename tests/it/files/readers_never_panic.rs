@@ -12,6 +12,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::common::mutations::mutations;
+use paracal::cli::reproduction::{Journal, JournalError};
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Question, diagnose, settle};
 use paracal::effect::Compensator;
@@ -25,7 +26,7 @@ use paracal::observability::{O1, Scaling};
 use paracal::report::html::{self, Measured, ModelResiduals};
 use paracal::report::{json, text};
 use paracal::selection::{Campaign, Candidates, Objective, SelectionTask, Sources, preview, select_among, selector};
-use paracal::simulation::{Command, Journal, JournalError, draw_parameters, simulate_run};
+use paracal::simulation::{Command, draw_parameters, simulate_run};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use tempfile::TempDir;

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use crate::common;
 use crate::common::bench::{Bench, listing};
-use paracal::reproduction::{
+use paracal::cli::reproduction::Journal;
+use paracal::cli::reproduction::{
     Agreement, Comparison, EXHIBITS, Exhibit, ReproductionContext, Settings, page, paper, reproduce,
 };
-use paracal::simulation::Journal;
 
 /// Few draws: enough for the claims that are tested here.
 const QUICK: Settings = Settings { draws: 100, candidates: 2000, lists: 3, seed: 0 };
