@@ -27,7 +27,7 @@ const UNTRUSTED: u8 = 3;
 pub(crate) struct Ui {
     /// One JSON object on standard output.
     pub(crate) json: bool,
-    /// No progress and no warnings.
+    /// Suppress progress and warnings.
     pub(crate) quiet: bool,
     /// What a URDF file leaves open.
     pub(crate) urdf: UrdfOptions,
@@ -219,7 +219,7 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
     let unit = machine.unit(spec.dimension);
     let shown = |v: f64| format!("{:.3} {}", unit.from_si(v), unit.name);
     Some(format!(
-        "{} is farthest from home with {} (home {}): correct the row or delete it, or check the mechanism file",
+        "{} is farthest from home at {} (home {}): correct or delete the row, or check the mechanism file",
         spec.name,
         shown(sample.joints[odd]),
         shown(home[odd])
@@ -248,7 +248,7 @@ pub(crate) fn settings<P: AsRef<Path>>(
             .and_then(|_| std::fs::read(path).ok())
         {
             Some(bytes) => format!("{} bytes, SHA-256 {}", bytes.len(), hexadecimal(&Sha256::digest(&bytes))),
-            None => "not a file that can be read twice".into(),
+            None => "not a regular file, so not read again".into(),
         };
         settings.push((path.display().to_string(), said));
     }

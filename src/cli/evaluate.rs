@@ -19,7 +19,7 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// Measurement file.
     data: PathBuf,
-    /// Page to write: the errors in pictures (HTML).
+    /// HTML page to write: the errors as charts.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
@@ -42,7 +42,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let size = crate::mechanism::characteristic_length(mechanism);
     if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
         ui.warn(match &measurement.contacts {
-            None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it",
+            None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, \
+                     `calibrate` identifies it",
             Some(_) => "the errors are as large as the mechanism; check the [plane] of the mechanism file, or state identify = true there",
         });
     }

@@ -39,8 +39,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let to_diagnose = args.diagnosis.campaign(&machine, ui)?;
     let mechanism = machine.mechanism.as_ref();
     let file = || args.mechanism.display().to_string();
-    let workspace =
-        machine.workspace.with_context(|| format!("{}: state [workspace]: poses are chosen from it", file()))?;
+    let workspace = machine.workspace.with_context(|| {
+        format!(
+            "{}: there is no [workspace] to choose poses from; state \
+                                                   one",
+            file()
+        )
+    })?;
     let poses = |path: &Option<PathBuf>| -> Result<Vec<Pose>> {
         let Some(path) = path else { return Ok(Vec::new()) };
         Ok(read_poses(path, &machine)?.into_iter().map(|l: ListedPose| l.pose).collect())
@@ -92,7 +97,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let bar = ui.steps("collecting candidates");
     let candidates = Candidates::collect(&campaign, &sources).map_err(about)?;
     if listed.is_none() && candidates.tried > 2 * candidates.len() {
-        ui.warn(&format!("only {} of {} poses tried can be measured", candidates.len(), candidates.tried));
+        ui.warn(&format!("only {} of the {} poses tried can be measured", candidates.len(), candidates.tried));
     }
     let named = index(&args.index);
     let aim = match (named.as_deref(), &forecaster) {
@@ -126,7 +131,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     if !(report.value > 0.0 && report.value.is_finite()) {
         bail!(
-            "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, or offer others",
+            "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, or \
+             offer other candidates",
             file(),
             report.index,
             report.value
@@ -141,11 +147,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     bar.finish();
     let seconds = start.elapsed().as_secs_f64();
     if n > MOST_POSES {
-        ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying"));
+        ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying off"));
     }
     if report.invisible > 0 {
         ui.warn(&format!(
-            "no candidate sees {} of the {} parameter directions; the index is taken over the others",
+            "no candidate determines {} of the {} parameter directions; the index is taken over the others",
             report.invisible,
             mechanism.parameters().len()
         ));

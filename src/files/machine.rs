@@ -84,7 +84,7 @@ impl Machine {
             return urdf::read_named(path, &text, &robot, options);
         }
         if !options.is_empty() {
-            let problem = "closures, links and joint coordinates are stated for URDF files only, and this is none";
+            let problem = "closures, links and joint coordinates are for URDF files only, and this is not one";
             return Err(value("the call", format!("{problem}; leave the options out")));
         }
         let machine = Self::from_text(&text, path);
@@ -95,7 +95,7 @@ impl Machine {
         ) && robot.is_file()
             && !text.contains("[[leg]]")
         {
-            let problem = format!("there is none; this file belongs to '{}', name that one", robot.display());
+            let problem = format!("is missing; this file belongs to '{}', name that one", robot.display());
             return Err(value("[[leg]]", problem));
         }
         machine

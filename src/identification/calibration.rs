@@ -23,7 +23,7 @@ use crate::pose::{Pose, PoseConvention};
 pub struct CalibrationOptions {
     /// Where priors come from.
     pub prior: PriorPolicy,
-    /// How rows are weighted.
+    /// How to weight the rows.
     pub weights: Weights,
     /// Which rows are held out to measure the errors.
     pub holdout: Holdout,

@@ -61,7 +61,7 @@ pub struct Task<'a> {
     pub data: &'a Dataset,
     /// Where priors come from.
     pub prior: PriorPolicy,
-    /// How rows are weighted.
+    /// How to weight the rows.
     pub weights: Weights,
     /// Whether the data are in the frames of the mechanism file, for a prior.
     pub convention: FrameConvention,

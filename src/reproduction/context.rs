@@ -20,11 +20,11 @@ use crate::solve::SolveError;
 pub struct Settings {
     /// Noise draws for each set of poses.
     pub draws: u64,
-    /// Candidate poses in a list.
+    /// Candidate poses per list.
     pub candidates: usize,
     /// Lists of candidates.
     pub lists: u64,
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
 }
 

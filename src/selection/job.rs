@@ -28,7 +28,7 @@ pub struct SelectionTask<'a> {
     pub aim: Objective<'a>,
     /// Poses that are measured anyway.
     pub given: &'a [Pose],
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
     /// Told of progress.
     pub watch: &'a (dyn Fn(Step) + Sync),

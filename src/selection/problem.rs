@@ -23,7 +23,7 @@ pub struct Problem<'a> {
     pub given: &'a [DMatrix<f64>],
     /// Number of poses to choose.
     pub count: usize,
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
     /// Told of progress, from any thread.
     pub watch: &'a (dyn Fn(Step) + Sync),

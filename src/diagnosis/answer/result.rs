@@ -223,11 +223,11 @@ impl NotTestable {
     pub(crate) fn unchanging(group: &EffectColumns) -> Self {
         let covariates = group.effect.covariates(&group.places[0].at);
         let what = match covariates.len() {
-            0 => "what it depends on".into(),
+            0 => "the covariate".into(),
             1..=3 => covariates.join(", "),
             _ => format!("{} and the others", covariates[0]),
         };
-        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to change more than in these data")] }
+        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to vary more than in these data")] }
     }
 }
 

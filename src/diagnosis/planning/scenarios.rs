@@ -44,7 +44,7 @@ pub(crate) fn scenarios(
         };
         chosen.iter().enumerate().map(make).collect()
     };
-    let mut all: Vec<(String, Vec<Sample>)> = vec![("nothing more: the present data".into(), Vec::new())];
+    let mut all: Vec<(String, Vec<Sample>)> = vec![("nothing more: the present data only".into(), Vec::new())];
     let same = plan(&|k, c| {
         let time = c.get("time");
         c.covariates.clone_from(&chosen[k].conditions.covariates);
@@ -53,7 +53,7 @@ pub(crate) fn scenarios(
             c.covariates.insert("time".into(), time);
         }
     });
-    all.push((format!("{ADDED} poses again under the conditions of the run"), same));
+    all.push((format!("{ADDED} more poses under the conditions of the run"), same));
     let mut wide = plan(&|_, _| {});
     for sample in &mut wide {
         let at = Conditions::unknown();
@@ -77,15 +77,21 @@ pub(crate) fn scenarios(
                 }
             }
         });
-        all.push((format!("{ADDED} poses after the machine went back to its temperatures of the first row"), cooled));
+        all.push((
+            format!(
+                "{ADDED} poses after the machine has returned to the temperatures of the first \
+                           row"
+            ),
+            cooled,
+        ));
         let recorded = |name: &str| temperatures.iter().find(|t| *t == name).map(|t| vec![t]);
         let heated = |names: &[&String], by: f64| plan(&|_, c| heat(c, names, by));
         if !legs.is_empty() {
-            all.push((format!("{ADDED} poses with the legs alone heated by 2 K"), heated(&legs, 2.0)));
+            all.push((format!("{ADDED} poses with only the legs heated by 2 K"), heated(&legs, 2.0)));
         }
         let own = format!("temp_leg{}", leg + 1);
         if let Some(names) = recorded(&own) {
-            all.push((format!("{ADDED} poses with leg {} alone heated by 5 K", leg + 1), heated(&names, 5.0)));
+            all.push((format!("{ADDED} poses with only leg {} heated by 5 K", leg + 1), heated(&names, 5.0)));
         }
         // One thing after the other settles what no single one does.
         let all_legs = (!legs.is_empty()).then(|| legs.clone());
@@ -95,12 +101,12 @@ pub(crate) fn scenarios(
             .collect();
         if bodies.len() > 1 {
             let in_turn = plan(&|k, c| heat(c, &bodies[k % bodies.len()], 5.0));
-            let what = "each body alone (platform, base, all legs, one leg) heated by 5 K";
-            all.push((format!("{ADDED} poses with {what}, in turn"), in_turn));
+            let what = "poses with each body in turn (platform, base, all legs, one leg) heated by 5 K";
+            all.push((format!("{ADDED} {what}"), in_turn));
         }
         for (name, part) in [("temp_platform", "platform"), ("temp_base", "base")] {
             if let Some(names) = recorded(name) {
-                all.push((format!("{ADDED} poses with the {part} alone heated by 2 K"), heated(&names, 2.0)));
+                all.push((format!("{ADDED} poses with only the {part} heated by 2 K"), heated(&names, 2.0)));
             }
         }
     }
@@ -115,12 +121,12 @@ pub(crate) fn scenarios(
             c.gravity = Some(axis * elevation.cos() - Vector3::z() * elevation.sin());
             c.covariates.insert("elevation".into(), elevation);
         });
-        all.push((format!("{ADDED} poses in turn at elevation 20 deg and 90 deg"), tipped));
+        all.push((format!("{ADDED} poses alternating between elevation 20 deg and 90 deg"), tipped));
         if last.get("payload").is_some() {
             let loaded = plan(&|k, c| {
                 c.covariates.insert("payload".into(), if k % 2 == 0 { 0.0 } else { 100.0 });
             });
-            all.push((format!("{ADDED} poses in turn without payload and with 100 kg"), loaded));
+            all.push((format!("{ADDED} poses alternating between no payload and 100 kg"), loaded));
         }
     }
     all

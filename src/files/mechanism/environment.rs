@@ -21,7 +21,7 @@ pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Resul
     for (k, entry) in document.sensors.iter().enumerate() {
         let sensor = sensor(r, k, entry)?;
         if let Some(other) = sensors.iter().position(|s| s.covariate == sensor.covariate) {
-            let problem = format!("'{}' is that of sensor {} already; name another", entry.covariate, other + 1);
+            let problem = format!("'{}' is already that of sensor {}; name another", entry.covariate, other + 1);
             return Err(r.value(format!("sensor {}, `covariate`", k + 1), problem));
         }
         sensors.push(sensor);
@@ -46,7 +46,7 @@ fn sensor(r: &Reader<'_>, k: usize, entry: &SensorEntry) -> Result<Sensor, FileE
         .is_some_and(|(_, unit)| Unit::named(unit).is_some_and(|u| u.dimension == Dimension::Temperature));
     if !name.starts_with("temp_") || with_unit {
         let problem =
-            "is no name of temperatures; write that of the data column without its unit, such as \"temp_base1\"";
+            "is not the name of a temperature; write that of the data column without its unit, such as \"temp_base1\"";
         return Err(r.value(place("covariate"), format!("'{name}' {problem}")));
     }
     let (body, key, at) = match (entry.platform, entry.base) {

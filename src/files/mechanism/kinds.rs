@@ -60,7 +60,7 @@ pub(crate) fn check_keys(r: &Reader<'_>, kind: &str, legs: &[LegEntry]) -> Resul
                 return Err(r.value(place(), format!("is missing; a leg of type \"{kind}\" needs it")));
             }
             if stated && !needed.contains(&key) && !optional.contains(&key) {
-                return Err(r.value(place(), format!("means nothing for type \"{kind}\"; delete it")));
+                return Err(r.value(place(), format!("does not apply to type \"{kind}\"; delete it")));
             }
         }
     }
@@ -95,7 +95,7 @@ pub(crate) fn read(
 ) -> Result<Box<dyn Mechanism>, FileError> {
     check_keys(r, &document.kind, legs)?;
     if document.kind != "planar-cables" && !cables.is_empty() {
-        return Err(r.value("[[cable]]", format!("means nothing for type \"{}\"; delete it", document.kind)));
+        return Err(r.value("[[cable]]", format!("does not apply to type \"{}\"; delete it", document.kind)));
     }
     let tolerances = tolerances(r, document)?;
     let name = &document.name;
@@ -120,7 +120,7 @@ pub(crate) fn read(
             let rods = each(r, legs, |at, l| {
                 let carriage = l.carriage.unwrap_or(0);
                 if !(1..=3).contains(&carriage) {
-                    return Err(r.value(at.place("carriage"), format!("{carriage} is none of 1, 2, 3")));
+                    return Err(r.value(at.place("carriage"), format!("{carriage} is not 1, 2 or 3")));
                 }
                 Ok(Rod {
                     platform: at.point("platform", &l.platform)?,
@@ -158,7 +158,7 @@ pub(crate) fn read(
                     let problem = || {
                         r.value(
                             at.place("segments"),
-                            format!("{k} is no leg; legs are numbered from 1 to {}", legs.len()),
+                            format!("{k} is not a leg; legs are numbered from 1 to {}", legs.len()),
                         )
                     };
                     k.checked_sub(1).filter(|k| *k < legs.len()).ok_or_else(problem)
@@ -227,7 +227,7 @@ fn finished(
     let made = made.map_err(geometry)?;
     let stems = made.stems();
     if let Some(unknown) = document.identify.iter().flatten().find(|s| !stems.contains(s)) {
-        let problem = format!("'{unknown}' is no parameter; those of this kind are {}", stems.join(", "));
+        let problem = format!("'{unknown}' is not a parameter; those of this kind are {}", stems.join(", "));
         return Err(r.value("identify", problem));
     }
     let wanted =
@@ -278,7 +278,7 @@ impl Row<'_> {
         let v = v.unwrap_or([0.0; 3]);
         v.iter().try_for_each(|x| self.finite(key, *x).map(drop))?;
         if v == [0.0; 3] {
-            return Err(self.r.value(self.place(key), "[0, 0, 0] is no direction; write one of any length"));
+            return Err(self.r.value(self.place(key), "[0, 0, 0] is not a direction; write a vector of any length"));
         }
         Ok(v.into())
     }

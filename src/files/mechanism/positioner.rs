@@ -20,11 +20,11 @@ pub(crate) fn pose_positioner(
     let legs = !document.legs.is_empty() || !document.nominal_legs.is_empty();
     let cables = !document.cables.is_empty() || !document.nominal_cables.is_empty();
     if legs || cables || document.mounting.is_some() || document.identify.is_some() {
-        let problem = "[[leg]], [[cable]], [mounting] and identify mean nothing for type \"pose\"; delete them";
+        let problem = "[[leg]], [[cable]], [mounting] and identify do not apply to type \"pose\"; delete them";
         return Err(r.value("type", problem));
     }
     if document.noise.as_ref().is_some_and(|n| n.joint != 0.0) {
-        return Err(r.value("[noise] joint", "means nothing for type \"pose\", whose joints are commanded; delete it"));
+        return Err(r.value("[noise] joint", "does not apply to type \"pose\", whose joints are commanded; delete it"));
     }
     let offset = document.offset.clone().unwrap_or_default();
     let offsets = r.six("[offset]", &offset.position, &offset.rotation)?;

@@ -165,8 +165,7 @@ fn six_hardpoint(
     check_keys(r, SIX_HARDPOINT, &document.legs)?;
     let only_others = !document.cables.is_empty() || !document.nominal_legs.is_empty() || document.mounting.is_some();
     if only_others || document.identify.is_some() {
-        let problem =
-            "[[cable]], [[nominal_leg]], [mounting] and identify mean nothing for six hardpoints; delete them";
+        let problem = "[[cable]], [[nominal_leg]], [mounting] and identify do not apply to six hardpoints; delete them";
         return Err(r.value("type", problem));
     }
     let (legs, nominal_legs) = read_legs(r, &document.legs)?;
@@ -275,7 +274,7 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
         _ => other_kind,
     };
     if kind != POSE && document.offset.is_some() {
-        return Err(r.value("[offset]", format!("means nothing for type \"{kind}\"; delete it")));
+        return Err(r.value("[offset]", format!("does not apply to type \"{kind}\"; delete it")));
     }
     let mut warnings = Vec::new();
     let (mechanism, nominal) = make(r, &document, &convention, home, &mut warnings)?;
@@ -311,7 +310,7 @@ pub(crate) fn build(r: &Reader<'_>, document: MechanismDocument) -> Result<Machi
     for t in &document.targets {
         let place = format!("[[target]] '{}'", t.name);
         if targets.iter().any(|k: &TargetPoint| k.name == t.name) {
-            return Err(r.value(place, "is stated twice; give each target a name of its own"));
+            return Err(r.value(place, "is stated twice; give each target its own name"));
         }
         let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
         targets.push(TargetPoint { name: t.name.clone(), platform });

@@ -71,7 +71,7 @@ pub(crate) fn column(
         Some(unit) if unit.dimension == dimension => {
             Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
         }
-        Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
+        Some(unit) => Err(format!("'{}' is not a unit for it; use one of {}", unit.name, dimension.choices())),
         None => Err(missing_unit(name, base, dimension)),
     };
     if name == "id" {
@@ -136,7 +136,7 @@ pub(crate) fn column(
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
         let known = column(&small, &[], mechanism, targets, joints);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
-            return Err(format!("names are written in small letters; did you mean '{small}'?"));
+            return Err(format!("names are lower case; did you mean '{small}'?"));
         }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })

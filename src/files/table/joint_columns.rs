@@ -52,7 +52,7 @@ pub(crate) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
         let place = format!("leg {}, `joint`", k + 1);
         let Some(name) = &leg.joint else {
             if leg.joint_reversed {
-                return Err(r.value(place, "is missing beside `joint_reversed`; name the joint"));
+                return Err(r.value(place, "is missing, but `joint_reversed` is stated; name the joint"));
             }
             continue;
         };
@@ -60,7 +60,7 @@ pub(crate) fn check_joints(r: &Reader<'_>, document: &MechanismDocument) -> Resu
             return Err(r.value(place, "is empty; name the joint, or delete the key"));
         }
         if let Some(other) = document.legs[..k].iter().position(|l| l.joint.as_ref() == Some(name)) {
-            return Err(r.value(place, format!("'{name}' is the joint of leg {} already; name another", other + 1)));
+            return Err(r.value(place, format!("'{name}' is already the joint of leg {}; name another", other + 1)));
         }
         if let Some(meaning) = taken(name, document) {
             warnings.push(format!(
@@ -83,5 +83,5 @@ fn taken(name: &str, document: &MechanismDocument) -> Option<&'static str> {
         return Some("a measured target");
     }
     let prefix = ["sigma_", "cmd_", "temp_"].iter().any(|p| name.starts_with(p));
-    (prefix || POSE_NAMES.contains(&name)).then_some("a quantity of its own")
+    (prefix || POSE_NAMES.contains(&name)).then_some("another quantity")
 }

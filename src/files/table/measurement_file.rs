@@ -112,7 +112,8 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
         let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);
         let (noun, unit) = (joint.noun(), machine.unit(joint).name);
         return Err(header(format!(
-            "no column for {}; commanded {noun} stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{length} …",
+            "no column for {}; give commanded {noun} in columns such as '{}_{unit}', or a commanded pose in \
+             cmd_x_{length} …",
             missing.join(", "),
             missing[0],
         )));

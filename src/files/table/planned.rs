@@ -77,8 +77,9 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Machine {
     /// The reference campaign in words.
-    pub const REFERENCE_CONDITIONS: &str = "air through 1.5 cycles of 3 K amplitude in the run, each leg 0.8 K about it by \
-        itself, platform and base behind it; elevation 20 to 90 deg, azimuth all around, payload 0, 50 or 100 kg";
+    pub const REFERENCE_CONDITIONS: &str = "air temperature through 1.5 cycles of 3 K amplitude during the run, each \
+                                            leg varying by 0.8 K about it on its own, platform and base lagging; \
+                                            elevation 20 to 90 deg, azimuth all around, payload 0, 50 or 100 kg";
 
     /// The conditions of the reference campaign of so many rows, outside of a run.
     pub fn reference_conditions(&self, rows: usize) -> Vec<Conditions> {

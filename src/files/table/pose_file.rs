@@ -138,7 +138,7 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             (_, Some(dimension)) => (with_unit.0, dimension),
             _ => {
                 let known = stems(specs).join(" ");
-                return Err(column_error(name, format!("is no parameter of a leg; use {known} with a unit")));
+                return Err(column_error(name, format!("is not a parameter of a leg; use {known} with a unit")));
             }
         };
         let unit = match dimension {
@@ -162,7 +162,7 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             return Err(cell_error(leg_column, &bad_leg));
         }
         if std::mem::replace(&mut listed[leg - 1], true) {
-            return Err(cell_error(leg_column, "stands twice; keep one row for each leg"));
+            return Err(cell_error(leg_column, "appears twice; keep one row for each leg"));
         }
         for (k, unit) in units.iter().enumerate() {
             let Some((stem, unit)) = unit else { continue };

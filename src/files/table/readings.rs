@@ -149,7 +149,8 @@ fn noise_from_sigma(table: &Table, noise: &mut Noise, every_sigma: bool) -> Resu
     let stated = table.columns.iter().any(|c| matches!(c.meaning, Meaning::Sigma(_) | Meaning::SigmaContact));
     if stated && !noise.known {
         if !every_sigma {
-            let problem = "states sigma for a part of the readings, and the mechanism file has no [noise] for the rest";
+            let problem = "states sigma for only part of the readings, and the mechanism file has no [noise] for the \
+                           rest";
             return Err(FileError::Header { path: table.path.clone(), problem: problem.into() });
         }
         noise.known = true;

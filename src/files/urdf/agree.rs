@@ -31,8 +31,8 @@ pub(super) fn add_closures(
     }
     if let Some(first) = closures.iter().find(|c| c.ends.iter().any(|e| e.frame.is_none())) {
         let text = format!(
-            "{} '{}' and others like it state their place in '{}' or its like only; the other place is taken at home, so the \
-             anchors are right only if the file is assembled there: at q = 0, or at `--home joint=value`",
+            "{} '{}' and others like it state their place in '{}' or similar links only; the other place is taken at \
+             home, so the anchors are right only if the file is assembled there: at q = 0, or at `--home joint=value`",
             first.source, first.name, first.ends[0].link
         );
         findings.add(K::PlaceTakenAtHome, &first.name, first.line, text);
@@ -61,7 +61,8 @@ pub(super) fn add_closures(
         } else {
             let other = &model.edges[first];
             let text = format!(
-                "{} '{}' and {} '{}' close the same two bodies in different places or ways; delete one of them",
+                "{} '{}' and {} '{}' close the same two bodies at different places or in different ways; delete one \
+                 of them",
                 closure.source, closure.name, other.source, other.name
             );
             findings.add(K::ConflictingClosures, &closure.name, closure.line, text);

@@ -158,12 +158,12 @@ impl Parts<'_> {
         let kind = self.kind.map_or("", str::trim);
         let Some(motion) = motion(kind, axis) else {
             let known = "spherical, universal, revolute, continuous, prismatic, fixed";
-            let text = format!("{what} is of type '{kind}'; the types that are read are {known}");
+            let text = format!("{what} is of type '{kind}'; the supported types are {known}");
             findings.add(K::UnknownClosureType, name, line, text);
             return None;
         };
         if axis.is_none() && matches!(motion, Motion::Hinge(_) | Motion::Slide(_)) {
-            let text = format!("{what} states no direction of its axis; x is taken, so state <axis xyz=\"…\"/>");
+            let text = format!("{what} states no direction of its axis; x is assumed, so state <axis xyz=\"…\"/>");
             findings.add(K::DefaultAxis, &name, line, text);
         }
         Some(Closure { name, line: Some(line), source: Source::Tag(tag), motion, ends: [a, b] })

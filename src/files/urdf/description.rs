@@ -81,7 +81,7 @@ impl Description {
             let count = root.children_named(parts).count();
             if count > MAX_PARTS {
                 let text =
-                    format!("{count} {what}; at most {MAX_PARTS} are read, delete what is no part of the mechanism");
+                    format!("{count} {what}; at most {MAX_PARTS} are read, delete what is not part of the mechanism");
                 findings.add(K::TooLarge, "", root.line, text);
                 return description;
             }
@@ -93,7 +93,7 @@ impl Description {
         description.closures = inline(root, findings);
         let quaternions = description.joints.iter().find(|j| matches!(j.turn, Turn::Quaternion(_)));
         if let Some(joint) = quaternions.filter(|_| !description.version.as_deref().is_some_and(knows_quaternions)) {
-            let text = "quat_xyzw is used, though readers of URDF 1.0 pass over it; state version=\"1.1\" in <robot>";
+            let text = "quat_xyzw is used, though readers of URDF 1.0 ignore it; state version=\"1.1\" in <robot>";
             findings.add(K::Note, &joint.name, joint.line, text);
         }
         description
@@ -104,7 +104,7 @@ impl Description {
         for element in root.children_named("link") {
             let Some(name) = name_of(element, "link", findings) else { continue };
             if let Some(first) = seen.insert(name.clone(), element.line) {
-                let text = format!("link '{name}' stands on line {first} already; rename or delete one of them");
+                let text = format!("link '{name}' is already on line {first}; rename or delete one of them");
                 findings.add(K::DuplicateLink, name, element.line, text);
                 continue;
             }
@@ -116,7 +116,7 @@ impl Description {
         let line = element.line;
         let Some(name) = name_of(element, "joint", findings) else { return };
         if let Some(first) = self.joints.iter().find(|j| j.name == name) {
-            let text = format!("joint '{name}' stands on line {} already; rename or delete one of them", first.line);
+            let text = format!("joint '{name}' is already on line {}; rename or delete one of them", first.line);
             findings.add(K::DuplicateJoint, name, line, text);
             return;
         }
@@ -145,7 +145,7 @@ impl Description {
         let axis = element.child("axis").map(|a| {
             known_attributes(a, &["xyz"], &format!("{what} axis"), findings);
             if a.attribute("xyz").is_none() && matches!(kind, "revolute" | "continuous" | "prismatic") {
-                let text = format!("{what} has an <axis> without xyz; x is taken, so state xyz=\"…\"");
+                let text = format!("{what} has an <axis> without xyz; x is assumed, so state xyz=\"…\"");
                 findings.add(K::DefaultAxis, &name, a.line, text);
             }
             numbers(a, "xyz", &format!("{what} axis"), findings)
@@ -164,7 +164,7 @@ impl Description {
             *a = a.map(|v| v / largest);
         }
         if axis.is_none() && kind == "prismatic" {
-            let text = format!("{what} has no <axis>; x is taken, as URDF has it");
+            let text = format!("{what} has no <axis>; x is assumed, as URDF specifies");
             findings.add(K::DefaultAxis, &name, line, text);
         }
         let limit = element.child("limit").filter(|_| kind == "prismatic").and_then(|l| limits(l, &what, findings));
@@ -318,13 +318,13 @@ pub(super) fn number_list<const N: usize>(
     let element = what.split('\'').nth(1).unwrap_or_default();
     let values: Option<Vec<f64>> = text.split_whitespace().take(N + 1).map(|t| t.parse().ok()).collect();
     let Some(values) = values.and_then(|v| <[f64; N]>::try_from(v).ok()) else {
-        let text = format!("{what} must be {N} numbers with spaces between them; correct it");
+        let text = format!("{what} must be {N} numbers separated by spaces; correct it");
         findings.add(K::BadNumber, element, line, text);
         return None;
     };
     // Squares of such numbers are no numbers any more.
     if values.iter().any(|v| !(v.abs() < 1e100)) {
-        let text = format!("{what} holds a number that is not finite; write the real number");
+        let text = format!("{what} holds a number that is not finite; write the actual number");
         findings.add(K::NotFinite, element, line, text);
         return None;
     }

@@ -184,14 +184,14 @@ impl<'a> Graph<'a> {
         if legs.is_empty() {
             let name = self.name(platform);
             let text =
-                format!("no leg joins the base with the body of '{name}'; close its loops, or name another platform");
+                format!("no leg connects the base to the body of '{name}'; close its loops, or name another platform");
             findings.add(K::DisconnectedPlatform, name, self.line(platform), text);
             return None;
         }
         if legs.iter().all(|l| l.slides.is_empty() && l.passive_slides.is_empty()) {
             let text = format!(
                 "none of the {} legs has a prismatic joint; they look driven by revolute joints (6-RSS, a rotary Stewart \
-                 platform), which is no six-hardpoint mechanism: implement `Mechanism` for it",
+                 platform), which is not a six-hardpoint mechanism: implement `Mechanism` for it",
                 legs.len()
             );
             findings.add(K::NoPrismaticActuators, "", None, text);
@@ -208,14 +208,14 @@ impl<'a> Graph<'a> {
             let hint = if loose.is_empty() {
                 String::new()
             } else {
-                format!("; without an end on both: {}, close it with `--close tip=anchor`", loose.join("; "))
+                format!("; not attached to both: {}, close it with `--close tip=anchor`", loose.join("; "))
             };
             let (kind, advice) = match legs.len() {
                 0..6 => (K::TooFewLegs, "add what is missing"),
-                _ => (K::TooManyLegs, "delete those that are none, or name the platform with `--platform-link`"),
+                _ => (K::TooManyLegs, "delete those that are not, or name the platform with `--platform-link`"),
             };
             let text = format!(
-                "{} of 6 legs join the base with the body of '{}'{hint}; {advice}",
+                "{} of 6 legs connect the base to the body of '{}'{hint}; {advice}",
                 legs.len(),
                 self.name(platform)
             );
@@ -223,7 +223,7 @@ impl<'a> Graph<'a> {
             wrong = true;
         }
         for edge in legs.iter().flat_map(|l| &l.dead_ends).map(|k| &self.model.edges[*k]) {
-            let text = format!("joint '{}' slides on a leg but leads to nothing, so it is passed over", edge.name);
+            let text = format!("joint '{}' slides on a leg but leads to nothing, so it is ignored", edge.name);
             findings.add(K::Note, &edge.name, edge.line, text);
         }
         legs.sort_by_key(|l| l.slides.first().copied());
@@ -237,8 +237,7 @@ impl<'a> Graph<'a> {
         match (&leg.slides[..], &leg.passive_slides[..]) {
             ([_], []) => None,
             ([], []) => {
-                let text =
-                    format!("the leg of {leg_text} has no prismatic joint; a passive leg has no place in this kind");
+                let text = format!("the leg of {leg_text} has no prismatic joint; this kind has no passive legs");
                 let element = leg.edges.first().map_or(String::new(), |k| edge(*k).name.clone());
                 Some((K::LegWithoutSlide, element, leg.edges.first().and_then(|k| edge(*k).line), text))
             }
@@ -251,7 +250,7 @@ impl<'a> Graph<'a> {
             }
             ([], [slide, ..]) => {
                 let text =
-                    format!("joint '{}' is not among the motors that are named; add it to them", edge(*slide).name);
+                    format!("joint '{}' is not among the motors that are listed; add it to them", edge(*slide).name);
                 Some((K::LegWithoutSlide, edge(*slide).name.clone(), edge(*slide).line, text))
             }
             (_, _) => {
@@ -287,8 +286,8 @@ impl<'a> Graph<'a> {
     fn no_platform(&self, base: usize, findings: &mut Findings) {
         let closed = self.model.edges.iter().any(|e| e.source != Source::Joint);
         if closed {
-            let text = "fewer than 2 of 6 legs join the base with any other body; check the closures, which have to join \
-                        the tips of the legs with the platform";
+            let text = "fewer than 2 of 6 legs connect the base to any other body; check the closures, which have to \
+                        connect the tips of the legs to the platform";
             findings.add(K::TooFewLegs, "", None, text);
             return;
         }

@@ -200,11 +200,14 @@ impl Beside {
         if let Some(kind) = y.kinds.iter().find(|k| !["3d", "6d"].contains(&k.to_lowercase().as_str())) {
             return Err(wrong(
                 "type",
-                format!("'{kind}' is no kind of closure; use 3d (a point) or 6d (a fixed flange)"),
+                format!("'{kind}' is not a kind of closure; use 3d (a point) or 6d (a fixed flange)"),
             ));
         }
         if y.joint_name.len() != y.joint_type.len() {
-            return Err(wrong("joint_type", "has another number of entries than `joint_name`; state one each".into()));
+            return Err(wrong(
+                "joint_type",
+                "does not have as many entries as `joint_name`; state one for each".into(),
+            ));
         }
         if let Some(kind) = y.joint_type.iter().find(|k| joint_motion(k).is_none()) {
             return Err(wrong("joint_type", format!("'{kind}' is not known; use SPHERICAL or UJOINT")));
@@ -235,7 +238,7 @@ impl Beside {
                     Some("fixed") => Motion::Fixed,
                     Some(other) => {
                         let problem =
-                            format!("'{other}' is no kind of closure; use \"ball\", \"fixed\" or leave it out");
+                            format!("'{other}' is not a kind of closure; use \"ball\", \"fixed\" or leave it out");
                         return Err(wrong("close", problem));
                     }
                 };

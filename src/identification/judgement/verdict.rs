@@ -57,12 +57,12 @@ pub(crate) fn judge(
     let mut warnings = Vec::new();
     if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
         reasons.push(
-            "every row is used up by parameters and no noise is stated, so nothing tells how well anything is known; \
-             state [noise] or measure more samples"
+            "there are no more rows than parameters and no noise is stated, so no uncertainty can be given; state \
+             [noise] or measure more samples"
                 .into(),
         );
     } else if found.misfit.degrees_of_freedom == 0 {
-        warnings.push("every row is used up by parameters, so the fit cannot be checked against the noise".into());
+        warnings.push("there are no more rows than parameters, so the fit cannot be checked against the noise".into());
     }
     let outside: Vec<String> =
         data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();
@@ -71,7 +71,7 @@ pub(crate) fn judge(
     }
     if !found.outliers.is_empty() {
         let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
-        warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
+        warnings.push(format!("gross errors in data row {}; they were given little or no weight", shortened(&rows)));
     }
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
 }
@@ -80,11 +80,11 @@ pub(crate) fn judge(
 pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
     if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: what is left without them cannot be fitted".into());
+        warnings.push("no errors on held-out rows: the remaining rows cannot be fitted on their own".into());
     }
     if result.registration.applied {
         warnings.push(
-            "the data are in a frame of their own; the calibrated model is in the frames of the measurement \
+            "the data are in their own frame; the calibrated model is in the frames of the measurement \
              (see frames)"
                 .into(),
         );
@@ -95,7 +95,7 @@ pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
         let (unit, per_si) = worst.dimension.in_tables();
         warnings.push(format!(
             "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
-             a small residual with such values means that another cause hides in them",
+             a small residual with such values means that they absorb another cause",
             implausible.len(),
             worst.name,
             per_si * worst.deviation

@@ -12,7 +12,7 @@ use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
 use crate::pose::Pose;
 use crate::solve::{EvaluationError, LeastSquaresProblem};
 
-/// How rows are weighted.
+/// How to weight the rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
     /// By the covariance of the reading and of the joints.

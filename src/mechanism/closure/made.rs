@@ -246,7 +246,7 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         }
         if let Some(k) = c.iter().position(|v| !v.is_finite()) {
             return Err(GeometryError::Outline(format!(
-                "{} is {}; a mechanism needs a number",
+                "{} is {}; every value of a mechanism must be a number",
                 self.specs[k].name, c[k]
             )));
         }

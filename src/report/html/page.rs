@@ -55,7 +55,7 @@ pub struct Page {
     pub lead: Vec<String>,
     /// What is shown.
     pub sections: Vec<Section>,
-    /// What repeats it, by name.
+    /// How to repeat it, by name.
     pub settings: Vec<(String, String)>,
 }
 
@@ -154,7 +154,7 @@ impl Page {
                 }
             }
             section id="settings" {
-                h2 { "What repeats it" }
+                h2 { "How to repeat it" }
                 dl {
                     @for (name, value) in &self.settings { dt { (name) } dd { (value) } }
                     dt { "paracal" } dd { (env!("CARGO_PKG_VERSION")) }

@@ -137,13 +137,13 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
         // Three coordinates for each target; any other measurement has parameters of its own kind.
         let points =
             found.parameters[n..].chunks(3).all(|p| p.iter().zip("xyz".chars()).all(|(p, c)| p.spec.name.ends_with(c)));
-        text += if points { "\nIdentified target coordinates\n" } else { "\nIdentified with the measurement\n" };
+        text += if points { "\nIdentified target coordinates\n" } else { "\nIdentified measurement parameters\n" };
         text += &parameter_table(&found.parameters[n..]);
     }
     text += "\n";
     let mut rows = vec![errors_row("before", &c.before), errors_row("fitted", &c.after)];
     if let Some(h) = &c.held_out {
-        let gross = if found.outliers.is_empty() { "" } else { ", gross errors too" };
+        let gross = if found.outliers.is_empty() { "" } else { ", including gross errors" };
         rows.push(errors_row(&format!("held out ({} rows{gross})", h.samples), &h.rms));
     }
     if let Some(p) = &c.predicted {
@@ -167,7 +167,8 @@ pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -
     if c.registration.applied {
         let (b, t) = (&c.plausibility.base, &c.plausibility.target);
         text += &format!(
-            "\nFrames: the base stands {} away and turned by {} in the tracker's frame;\n        the target sits {} away and turned by {} on the platform.\n",
+            "\nFrames: the base is {} away and rotated by {} in the tracker's frame;\n        the target is offset by \
+             {} and rotated by {} on the platform.\n",
             show_length(b.position.norm()),
             show_angle(crate::pose::rotation_vector(&b.rotation).norm()),
             show_length(t.position.norm()),
@@ -199,7 +200,7 @@ fn weak_directions(c: &Calibration) -> String {
         return String::new();
     }
     let mut text = format!(
-        "\nThe data decide {} of {} directions; not decided (tolerance over sigma from the data):\n",
+        "\nThe data determine {} of {} directions; not determined (tolerance over sigma from the data):\n",
         c.identification.mechanism_parameters - c.weak.len(),
         c.identification.mechanism_parameters
     );

@@ -49,7 +49,10 @@ pub fn selection(s: &Selection<'_>) -> String {
         text += &table(&["poses", r.index.as_str(), "efficiency", "position", "rotation"], &rows);
         text += "(position and rotation: predicted RMS error of the calibrated pose)\n";
         if let Some(n) = pays_until(s.table) {
-            text += &format!("From {n} poses on, one more lowers the predicted position error by less than 1 %.\n");
+            text += &format!(
+                "Beyond {n} poses, each additional one lowers the predicted position error by less than \
+                              1 %.\n"
+            );
         }
         text += "\n";
     }
@@ -61,7 +64,7 @@ pub fn selection(s: &Selection<'_>) -> String {
     text += &format!("{} = {:.6e} ({units})\n", r.index, r.value);
     text += &match (r.bound, r.efficiency) {
         (Some(bound), Some(efficiency)) => format!(
-            "no set of {} of these candidates passes {bound:.6e}: certified efficiency {:.2} %\n",
+            "no set of {} of these candidates is better than {bound:.6e}: certified efficiency {:.2} %\n",
             r.poses.len(),
             100.0 * efficiency
         ),

@@ -11,7 +11,10 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
         let word = found.verdict.word();
         return format!("{title}: the verdict is {word}; there is no tie to settle\n");
     }
-    let mut text = format!("{title}: what would tell the rivals apart (separability; {TOLD_APART} is needed)\n\n");
+    let mut text = format!(
+        "{title}: measurements that would tell the rivals apart (separability; {TOLD_APART} is \
+                            needed)\n\n"
+    );
     let pairs: Vec<String> = plans[0].separations.iter().map(|s| format!("{} / {}", s.effect, s.rival)).collect();
     for (k, pair) in pairs.iter().enumerate() {
         text += &format!("  ({}) {pair}\n", k + 1);
@@ -32,7 +35,7 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
     text += &match best.settles() {
         true => format!("\nMeasure {}: it tells all of them apart.\n", best.what),
         false => format!(
-            "\nNone of these settles everything; the most telling is {} (weakest pair {}).\n",
+            "\nNone of these separates every pair; the best is {} (weakest pair {}).\n",
             best.what,
             three_digits(best.weakest())
         ),
@@ -74,7 +77,7 @@ pub(super) fn limit_table(limits: &[NotFound]) -> String {
 
 /// The limits of effects, and what others miss.
 pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> String {
-    let mut text = format!("seen with 95 % probability from this size on:\n{}", limit_table(limits));
+    let mut text = format!("smallest size that is detected with 95 % probability:\n{}", limit_table(limits));
     if !missing.is_empty() {
         text += "\nnot testable with this campaign:\n";
         for n in missing {

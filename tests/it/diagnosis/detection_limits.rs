@@ -185,7 +185,7 @@ fn select_takes_planned_conditions_from_a_file() {
     let rows: Vec<String> = (0..24).map(|k| format!("{},{},45", k * 3600, 10.0 + 0.25 * f64::from(k))).collect();
     std::fs::write(&path, format!("time_s,temp_legs_degC,elevation_deg\n{}\n", rows.join("\n"))).unwrap();
     let result = json(folder.path(), &["--for-diagnosis", "--conditions", "nights.csv"]);
-    assert_eq!(result["planned_conditions"], "conditions of nights.csv, whose 24 rows repeat");
+    assert_eq!(result["planned_conditions"], "conditions from nights.csv, whose 24 rows are repeated");
     assert!(limit(&result, "thermal.legs.uniform").is_some() && limit(&result, "drift.leg").is_some());
     let missing = missing(&result);
     for name in ["thermal.legs.individual", "thermal.base", "compliance.payload", "sag.frame"] {

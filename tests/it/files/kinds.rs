@@ -216,7 +216,7 @@ fn what_is_wrong_with_a_kind_is_named() {
     );
     refused("rotary-stewart", "[home]", "[homes]", &["unknown field `homes`"]);
     refused("rotary-stewart", "[workspace]", "[mounting]", &["unknown field `position`", "base_position"]);
-    refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is none of 1, 2, 3"]);
+    refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is not 1, 2 or 3"]);
     refused("linear-delta", "carriage = 1", "carriage = 2", &["carriage 1 has 1 rods"]);
     refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "no direction"]);
     refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.1, 1.0]", &["legs 1 and 2", "different rails"]);
@@ -226,7 +226,7 @@ fn what_is_wrong_with_a_kind_is_named() {
         "rail = [nan, 0.0, 1.0]",
         &["leg 1, `rail`", "not a finite number"],
     );
-    refused("tripod-3rps", "stroke", "rail = [0.0, 0.0, 1.0]\nstroke", &["leg 1, `rail`", "means nothing"]);
+    refused("tripod-3rps", "stroke", "rail = [0.0, 0.0, 1.0]\nstroke", &["leg 1, `rail`", "does not apply"]);
     refused(
         "tripod-3rps",
         "length_unit",
@@ -236,7 +236,7 @@ fn what_is_wrong_with_a_kind_is_named() {
     refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["identify", "names no parameter"]);
     refused("tripod-3rps", "length_unit", "pivot = [0.0, 0.0, 10.0]\nlength_unit", &["pivot", "must be absent"]);
     refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is no leg"]);
-    refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is no leg"]);
+    refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is not a leg"]);
     refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
     refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);

@@ -420,7 +420,7 @@ fn contacts_stated_wrongly() {
     };
     refuses("contact_mm", "", &["d.csv: ", "no cell of the measured contacts is filled"]);
     refuses("contact", "1", &["d.csv: column 'contact'", "must end in a unit (m | mm | um | in)", "'contact_mm'"]);
-    refuses("contact_deg", "1", &["d.csv: column 'contact_deg'", "'deg' is no unit of it", "m | mm | um | in"]);
+    refuses("contact_deg", "1", &["d.csv: column 'contact_deg'", "'deg' is not a unit for it", "m | mm | um | in"]);
     refuses("contact_mm", "high", &["d.csv: data row 0 (line 2), column 'contact_mm'", "'high' is not a number"]);
     refuses("contact_mm,sigma_contact_mm", "1,0", &["column 'sigma_contact_mm'", "'0' must be positive"]);
     refuses("contact_mm,sigma_x_mm", "1,1", &["column 'sigma_x_mm'", "sigma of a pose", "sigma_contact_"]);
@@ -756,7 +756,7 @@ fn parameter_errors_stated_wrongly() {
         |text: &str, parts: &[&str]| Bench::new().file("p.csv", poses()).file("e.csv", text).refuses(call, parts);
     refuses("leg,xA_mm\n", &["e.csv: ", "no data row"]);
     refuses("leg,xA_mm,xA_um\n1,2,3\n", &["e.csv: column 'xA_um'", "'xA_mm'", "keep one"]);
-    refuses("leg,xA_mm\n1,2\n1,3\n", &["e.csv: data row 1 (line 3), column 'leg'", "'1' stands twice"]);
+    refuses("leg,xA_mm\n1,2\n1,3\n", &["e.csv: data row 1 (line 3), column 'leg'", "'1' appears twice"]);
     refuses("leg,xA_mm\n7,2\n", &["e.csv: data row 0 (line 2), column 'leg'", "'7'", "from 1 to 6"]);
     refuses("leg,xC_mm\n1,2\n", &["e.csv: column 'xC_mm'", "use xA yA zA h xB yB zB"]);
     refuses("leg,xA_mm\n1,\n", &["e.csv: data row 0 (line 2), column 'xA_mm'", "write 0"]);
@@ -880,7 +880,7 @@ fn select_by_an_unknown_index_or_selector() {
 fn select_with_a_requirement_that_cannot_be_met() {
     let bench = Bench::new();
     let call = "select m.toml -o p.csv --candidates 50 --no-polish --no-corners --require";
-    bench.refuses(&format!("{call} 0.01um"), &["50 poses are predicted", "does not meet", "times as precise"]);
+    bench.refuses(&format!("{call} 0.01um"), &["50 poses are predicted", "does not meet", "times as precisely"]);
     bench.refuses(&format!("{call} fast"), &["'fast'", "2um", "0.5arcsec"]);
     bench.refuses(&format!("{call} 1um,2um"), &["one length and one angle"]);
     bench.refuses(&format!("{call} 0um"), &["'0um' must be positive"]);
@@ -900,7 +900,7 @@ fn select_without_noise_or_tolerance() {
 #[test]
 fn select_from_lists_that_are_wrong() {
     let bench = Bench::new().file("list.csv", some_poses(5)).file("empty.csv", some_poses(0));
-    bench.refuses("select m.toml -o p.csv -n 9 --candidates list.csv", &["9 poses are wanted", "only 5 candidates"]);
+    bench.refuses("select m.toml -o p.csv -n 9 --candidates list.csv", &["9 poses are requested", "only 5 candidates"]);
     bench.refuses("select m.toml -o p.csv --candidates empty.csv", &["empty.csv", "no data row"]);
     bench.refuses("select m.toml -o p.csv --candidates missing.csv", &["missing.csv"]);
     bench.refuses("select m.toml -o p.csv --candidates 0 --no-corners", &["--candidates 0", "nothing to choose"]);
@@ -910,5 +910,5 @@ fn select_from_lists_that_are_wrong() {
     bench.refuses("select m.toml -o p.csv --given missing.csv", &["missing.csv"]);
     let far = some_poses(1) + "1e9,0.0,0.0,0.0,0.0,0.0\n";
     let bench = Bench::new().file("far.csv", far);
-    bench.refuses("select m.toml -o p.csv -n 9 --candidates far.csv", &["9 poses are wanted", "only 1 candidates"]);
+    bench.refuses("select m.toml -o p.csv -n 9 --candidates far.csv", &["9 poses are requested", "only 1 candidates"]);
 }

@@ -260,12 +260,12 @@ fn wrong_effects_of_a_call_are_named() {
         let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", effect];
         bench.refused(&words, &[&["--effect", effect][..], parts].concat());
     };
-    simulate("sag=1", &["'sag' is no effect", "sag.frame"]);
+    simulate("sag=1", &["'sag' is not an effect", "sag.frame"]);
     simulate("sag.frame=1e-5", &["has 1 of the 2 values", "shift (m), tilt (rad)"]);
     simulate("scale.per_leg=1e-3,2e-3", &["has 2 of the 6 values", "scale1 (1)"]);
     simulate("drift.leg=1e-5", &["`leg`", "is missing"]);
     simulate("drift.leg[leg=9]=1e-5", &["there is no leg 9"]);
-    simulate("drift.leg[leg=x]=1e-5", &["'leg=x' is no whole number", "drift.leg[leg=3]=2e-5"]);
+    simulate("drift.leg[leg=x]=1e-5", &["'leg=x' is not a whole number", "drift.leg[leg=3]=2e-5"]);
     simulate("drift.leg[arm=3]=1e-5", &["'arm' is none of leg, row, of"]);
     simulate("drift.leg[leg=3=1e-5", &["has no ']'"]);
     simulate("drift.leg[leg=3]", &["has no '='"]);

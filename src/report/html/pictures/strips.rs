@@ -84,7 +84,7 @@ pub(in crate::report::html) fn strips(
             Figure {
                 title: format!("Leg by leg over {}", against.title),
                 description: format!(
-                    "What is left of each sample as a change of each joint, measured minus predicted, over {}.",
+                    "Residual of each sample as a change of each joint, measured minus predicted, over {}.",
                     against.title
                 ),
                 columns: 3,
