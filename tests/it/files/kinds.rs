@@ -218,7 +218,7 @@ fn what_is_wrong_with_a_kind_is_named() {
     refused("rotary-stewart", "[workspace]", "[mounting]", &["unknown field `position`", "base_position"]);
     refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is not 1, 2 or 3"]);
     refused("linear-delta", "carriage = 1", "carriage = 2", &["carriage 1 has 1 rods"]);
-    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "no direction"]);
+    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "not a direction"]);
     refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.1, 1.0]", &["legs 1 and 2", "different rails"]);
     refused(
         "linear-delta",
@@ -231,11 +231,11 @@ fn what_is_wrong_with_a_kind_is_named() {
         "tripod-3rps",
         "length_unit",
         "identify = [\"q\"]\nlength_unit",
-        &["identify", "'q' is no parameter", "xA"],
+        &["identify", "'q' is not a parameter", "xA"],
     );
     refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["identify", "names no parameter"]);
     refused("tripod-3rps", "length_unit", "pivot = [0.0, 0.0, 10.0]\nlength_unit", &["pivot", "must be absent"]);
-    refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is no leg"]);
+    refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is not a leg"]);
     refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is not a leg"]);
     refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);

@@ -143,7 +143,7 @@ fn what_means_nothing_is_refused() {
     refused(&sensor("covariate = \"temp_a_degC\"\nbase = [0, 0, 0]"), &["'temp_a_degC'", "without its unit"]);
     refused(&sensor("covariate = \"load\"\nbase = [0, 0, 0]"), &["'load'", "not the name of a temperature"]);
     let twice = "covariate = \"temp_a\"\nbase = [0, 0, 0]\n[[sensor]]\ncovariate = \"temp_a\"\nbase = [1, 0, 0]";
-    refused(&sensor(twice), &["sensor 2", "sensor 1 already"]);
+    refused(&sensor(twice), &["sensor 2", "already that of sensor 1"]);
     let offset = format!("{}\n[offset]\nposition = [1, 0, 0]\n", common::text("mechanisms/table5.toml"));
     refused(&offset, &["[offset]", "does not apply to type \"six-hardpoint\""]);
     let folder = tempfile::tempdir().unwrap();

@@ -551,7 +551,14 @@ fn times_that_are_none() {
 
 #[test]
 fn lengths_out_of_reach() {
-    let parts = ["d.csv: data row 1: ", "out of reach", "leg1", "3000.000 mm", "(home 800.000 mm)", "correct the row"];
+    let parts = [
+        "d.csv: data row 1: ",
+        "out of reach",
+        "leg1",
+        "3000.000 mm",
+        "(home 800.000 mm)",
+        "correct or delete the row",
+    ];
     let bench = Bench::with_data(cell(2, 0, "3000.0"));
     bench.refuses_calibration(&parts);
     bench.refuses("evaluate m.toml d.csv", &parts);
@@ -560,7 +567,7 @@ fn lengths_out_of_reach() {
 #[test]
 fn held_out_lengths_out_of_reach() {
     let bench = Bench::new().file("held.csv", cell(3, 4, "3000.0"));
-    let parts = ["held.csv: data row 2: ", "out of reach", "leg5", "3000.000 mm", "correct the row"];
+    let parts = ["held.csv: data row 2: ", "out of reach", "leg5", "3000.000 mm", "correct or delete the row"];
     bench.refuses("calibrate m.toml d.csv -o o.toml --holdout held.csv", &parts);
 }
 

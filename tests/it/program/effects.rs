@@ -204,7 +204,10 @@ fn conditions_that_are_missing_or_unusual_are_named() {
         range = { temp_legs = [17.0, 19.5] }\nreference = { temp_legs = 18.0 }\n";
     let bench = Bench::new(entry);
     let (warnings, shown) = bench.done(&["compensate", "m.toml", "p.csv", "-o", "l.csv"]);
-    says(&warnings, &["thermal.legs.uniform: temp_legs is", "degC in data row", "outside of 17.0000 to 19.5000 degC"]);
+    says(
+        &warnings,
+        &["thermal.legs.uniform: temp_legs is", "degC in data row", "outside the range 17.0000 to 19.5000 degC"],
+    );
     assert!(shown["warnings"].as_array().unwrap().len() >= 2, "{shown}");
     let poses = bench.read("p.csv");
     let cold = poses.lines().map(|line| {

@@ -55,7 +55,7 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
     assert!(page.contains(&format!("The result can be trusted. {}", last.replace('>', "&gt;"))), "{last}");
     for shown in [
         "Errors row by row",
-        "Deviations of the parameters",
+        "Deviations of the length parameters",
         "Convergence",
         "xA1",
         "h6",
