@@ -1,4 +1,4 @@
-//! What `diagnose` and `settle` read: a machine, and data to ask about.
+//! Input of `diagnose` and `settle`: a machine and data.
 
 use std::path::PathBuf;
 

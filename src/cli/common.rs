@@ -1,4 +1,4 @@
-//! What the commands share: reading, warnings, progress, exit codes.
+//! Shared by the commands: reading, warnings, progress, exit codes.
 
 use std::cell::RefCell;
 use std::io::IsTerminal;
@@ -29,7 +29,7 @@ pub(crate) struct Ui {
     pub(crate) json: bool,
     /// Suppress progress and warnings.
     pub(crate) quiet: bool,
-    /// What a URDF file leaves open.
+    /// Options that supply what a URDF file lacks.
     pub(crate) urdf: UrdfOptions,
     /// The warnings so far, for the page.
     pub(crate) warnings: RefCell<Vec<String>>,
@@ -126,7 +126,7 @@ impl Steps {
         bar.set_position(done as u64 + 1);
     }
 
-    /// The same for work that comes in several parts.
+    /// Progress of work in several parts.
     pub(crate) fn work(&self, message: &str, done: usize, total: usize) {
         if self.bar.message() != message {
             self.say(message);

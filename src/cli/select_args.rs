@@ -1,4 +1,4 @@
-//! What `select` is asked.
+//! Options of `select`.
 
 use std::path::PathBuf;
 

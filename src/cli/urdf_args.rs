@@ -4,7 +4,7 @@ use crate::files::{HomeJoint, UrdfOptions};
 use crate::units::{Dimension, parse_quantity};
 use anyhow::{Result, anyhow, bail};
 
-/// What a URDF file leaves open.
+/// Options that supply what a URDF file lacks.
 #[derive(clap::Args)]
 #[command(next_help_heading = "URDF files")]
 pub(crate) struct UrdfArgs {

@@ -1,4 +1,4 @@
-//! What keeps a diagnosis from being made.
+//! Errors of a diagnosis.
 
 use thiserror::Error;
 
@@ -18,9 +18,9 @@ pub enum DiagnoseError {
         samples: usize,
         /// Rows.
         rows: usize,
-        /// What is left.
+        /// Remaining degrees of freedom.
         free: f64,
-        /// What is needed.
+        /// Required degrees of freedom.
         needed: usize,
     },
     /// Every row is a place where something may have changed, so that time and memory grow faster than the rows.

@@ -45,7 +45,7 @@ pub struct Machine {
     pub targets: Vec<TargetPoint>,
     /// The plane over which heights are measured, and of which point.
     pub contact: Contact,
-    /// What stands around the mechanism.
+    /// Surroundings of the mechanism.
     pub(super) environment: Arc<Environment>,
     /// Effects of its file on the measurement.
     pub(super) instrument: Vec<ActiveEffect>,
@@ -53,7 +53,7 @@ pub struct Machine {
     pub length_unit: Unit,
     /// Unit of its angles.
     pub angle_unit: Unit,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Every file that it was read from.
     pub(super) inputs: Vec<PathBuf>,
@@ -69,7 +69,7 @@ impl Machine {
         Self::read_with(path, &UrdfOptions::default())
     }
 
-    /// The same, with what a URDF file leaves open.
+    /// Reads a mechanism file, with options that supply what a URDF file lacks.
     ///
     /// # Errors
     /// [`FileError`] naming the place and what to do; also if `options` are given for a file without URDF.
@@ -141,7 +141,7 @@ impl Machine {
         }
     }
 
-    /// What its file states about the world around the mechanism: masses, screws, sensors, reference temperatures.
+    /// Surroundings of the mechanism as the file states them: masses, screws, sensors, reference temperatures.
     pub fn environment(&self) -> &Arc<Environment> {
         &self.environment
     }
@@ -176,7 +176,7 @@ impl Machine {
         Ok(document)
     }
 
-    /// The same without effects.
+    /// Document of a calibrated mechanism without its effects.
     fn plain_document_of(
         &self,
         mechanism: &dyn Mechanism,
@@ -228,7 +228,7 @@ impl Machine {
         Ok(document)
     }
 
-    /// The same for a kind that is made from a closure: it keeps the frames of its drawing and is mounted in those of the
+    /// Document of a mechanism made from a closure: it keeps the frames of its drawing and is mounted in those of the
     /// measurement.
     fn document_of_parts(
         &self,
@@ -257,7 +257,8 @@ impl Machine {
         document
     }
 
-    /// What is stated on the platform moves with the platform frame, what stands on the base with the base.
+    /// Transforms the sections of the file: points on the platform follow the platform frame, those on the base the
+    /// base frame.
     pub(super) fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
         let onto_target = frames.target.inverse();
         let moved = |p: &mut [f64; 3]| self.move_point(p, &onto_target);

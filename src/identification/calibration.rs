@@ -18,7 +18,7 @@ use crate::mechanism::{Body, Mechanism, Workspace};
 use crate::observability::PredictedError;
 use crate::pose::{Pose, PoseConvention};
 
-/// What is asked of a calibration.
+/// Options of a calibration.
 #[derive(Clone, Debug)]
 pub struct CalibrationOptions {
     /// Where priors come from.
@@ -55,7 +55,7 @@ pub struct Calibration {
     pub parameters: Vec<Estimate>,
     /// Covariance of the mechanism's parameters, in the same frames.
     pub covariance: DMatrix<f64>,
-    /// What the identifier found, in the frames of the nominal mechanism.
+    /// Result of the identifier, in the frames of the nominal mechanism.
     pub identification: Identification,
     /// True if the iteration converged.
     pub converged: bool,

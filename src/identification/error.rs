@@ -48,7 +48,7 @@ pub enum IdentifyError {
         row: usize,
         /// ` (id)`, or nothing.
         label: String,
-        /// What failed.
+        /// The failure.
         cause: KinematicsError,
     },
     /// The covariance of one sample cannot be used.
@@ -60,7 +60,7 @@ pub enum IdentifyError {
     /// The iterations were used up. Where they led is kept, so that it can be shown, but it is no result.
     #[error("{cause}")]
     NotConverged {
-        /// What the solver says.
+        /// Error of the solver.
         cause: SolveError,
         /// Where the iteration stood.
         last: Box<crate::identification::Identification>,

@@ -1,4 +1,4 @@
-//! What can be wrong with a geometry or a pose.
+//! Errors of geometries and kinematics.
 
 use thiserror::Error;
 
@@ -116,7 +116,7 @@ pub enum KinematicsError {
     OutOfReach {
         /// How far the joints could be followed from those of the start, %.
         percent: f64,
-        /// What stopped the last attempt.
+        /// Error that ended the last attempt.
         cause: NewtonError,
     },
     /// `J₁` has no inverse: the platform can move while the joints stand still.

@@ -58,7 +58,7 @@ impl Settings {
 /// How far the work has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'a> {
-    /// What is being done.
+    /// The work in progress.
     pub what: &'a str,
     /// Units done.
     pub done: usize,
@@ -66,7 +66,7 @@ pub struct Progress<'a> {
     pub total: usize,
 }
 
-/// What exhibits are made with.
+/// Context in which exhibits are made.
 pub struct ReproductionContext<'a> {
     /// How much is done.
     pub settings: Settings,

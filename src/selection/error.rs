@@ -1,4 +1,4 @@
-//! What can be wrong with a selection.
+//! Errors of a selection.
 
 use thiserror::Error;
 
@@ -95,7 +95,7 @@ pub enum SelectionError {
         position: String,
         /// Predicted rotation error.
         rotation: String,
-        /// What would help.
+        /// What would help, as advice to the user.
         advice: String,
     },
 }

@@ -1,4 +1,5 @@
-//! What is asked: mechanism, data, and the effects that can be tested; the columns of all of them at a point, and fits.
+//! The hypotheses: mechanism, data, and the effects that can be tested; the columns of all of them at a point, and
+//! fits.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -47,9 +48,9 @@ pub(crate) struct Hypotheses<'a> {
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
     /// own. Empty if rows are as stated.
     pub(crate) spreads: Vec<f64>,
-    /// The same for position rows and for rotation rows, where their ratio is not the stated one.
+    /// The σ of position rows and of rotation rows over the stated one, where their ratio is not the stated one.
     pub(crate) kind_spreads: Option<[f64; 2]>,
-    /// The same for each sample, where the noise was found to vary. Empty if it does not.
+    /// The σ of each sample over the stated one, where the noise was found to vary. Empty if it does not.
     pub(crate) sample_spreads: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What changes with time alone.
+//! Effects that change with time alone.
 //!
 //! A tracker drifts by 1 to 20 µm per hour; a bump moves it by 10 to 1000 µm; a coupling that slips or a homing run moves
 //! one leg by 5 to 500 µm. Drifts are per run, 0 at its first row and 1 at its last. They describe the run and predict

@@ -16,7 +16,7 @@ use crate::files::mechanism::read::Reader;
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};
 
-/// What is wrong with an entry: the key, if it is one, and the problem.
+/// A problem with an entry: the key, if it is about one, and the problem.
 struct Trouble {
     key: Option<&'static str>,
     problem: String,
@@ -128,7 +128,7 @@ fn is_width(tried: &[String], of: &str) -> bool {
     tried.iter().all(|t| width(t)) && width(of)
 }
 
-/// What the entries of a document make of a mechanism.
+/// Effects and environment from the entries of a document.
 pub(crate) struct Effects {
     pub(crate) mechanism: Box<dyn Mechanism>,
     pub(crate) instrument: Vec<ActiveEffect>,

@@ -1,4 +1,4 @@
-//! What a mechanism file states about the world around the mechanism, SI.
+//! Surroundings of the mechanism as its file states them, SI.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What a column of a table means, from its name.
+//! Meaning of a table column, from its name.
 
 use crate::files::table::joint_columns::JointColumn;
 use crate::mechanism::{JointSpec, Mechanism};
@@ -51,7 +51,7 @@ pub(crate) fn pose_dimension(k: usize) -> Dimension {
 /// The column that a name stands for.
 ///
 /// # Errors
-/// What is wrong with the name, and what to do.
+/// The problem with the name, and its remedy.
 pub(crate) fn column(
     name: &str,
     header: &[String],

@@ -24,11 +24,11 @@ pub struct Measurement {
     pub targets: Option<Arc<TargetMeasurement>>,
     /// The heights over a plane, if they were measured.
     pub contacts: Option<Arc<PlaneContact>>,
-    /// The same data without the effects of the mechanism file on the measurement.
+    /// The data without the effects of the mechanism file on the measurement.
     pub as_read: Dataset,
     /// The effects of the mechanism file through which the readings are seen.
     pub instrument: Vec<ActiveEffect>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 

@@ -23,7 +23,7 @@ use crate::pose::Pose;
 pub struct PlannedConditions {
     /// The conditions in order, outside of a run.
     pub states: Vec<Conditions>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 

@@ -31,7 +31,7 @@ pub struct PoseList {
     pub poses: Vec<ListedPose>,
     /// The columns of covariates and times as they stand in the file.
     pub covariates: CsvTable,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What was measured, from the cells of a table.
+//! Measured values from the cells of a table.
 
 use crate::files::error::FileError;
 use crate::files::machine::Machine;

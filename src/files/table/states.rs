@@ -19,7 +19,7 @@ pub(crate) struct States {
     pub(crate) states: Vec<Conditions>,
     /// Columns of no known meaning that hold no number at all, such as remarks.
     pub(crate) ignored: Vec<usize>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub(crate) warnings: Vec<String>,
 }
 

@@ -71,7 +71,7 @@ pub(super) fn add_closures(
     }
 }
 
-/// What two closures of the same bodies leave free, if they say the same.
+/// Freedoms of two closures of the same bodies, if they agree.
 fn agreed(first: &Edge, second: &Edge, bodies: &Bodies, tolerance: f64) -> Option<Motion> {
     let swapped = bodies.of[first.sides[0].link] != bodies.of[second.sides[0].link];
     let other = if swapped { [1, 0] } else { [0, 1] };

@@ -41,7 +41,7 @@ impl std::fmt::Display for Source {
     }
 }
 
-/// What a joint or closure leaves free. Axes are in the first of its two frames.
+/// Freedoms of a joint or closure. Axes are in the first of its two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
     Fixed,
@@ -110,7 +110,7 @@ pub(super) fn frame(xyz: [f64; 3], turn: Turn) -> Frame {
     Frame::from_parts(Translation3::from(Vector3::from(xyz)), rotation)
 }
 
-/// What a type of closure leaves free; `None` if it is not known.
+/// Freedoms of a type of closure; `None` if the type is unknown.
 fn motion(kind: &str, axis: Option<[f64; 3]>) -> Option<Motion> {
     let axis = Vector3::from(axis.unwrap_or([1.0, 0.0, 0.0])).normalize();
     Some(match kind {

@@ -173,7 +173,7 @@ impl Description {
         self.joints.push(JointNote { name, line, kind, parent, child, xyz, turn, axis, limit, mimic });
     }
 
-    /// The same robot in the form that `urdf-rs` accepts.
+    /// The robot in the form that `urdf-rs` accepts.
     pub(super) fn reduced(&self) -> String {
         let list = |v: &[f64]| v.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ");
         let version = self.version.as_ref().map_or(String::new(), |v| format!(" version=\"{}\"", escaped(v)));

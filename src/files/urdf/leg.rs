@@ -29,7 +29,7 @@ pub(super) struct Measured {
     pub(super) length: f64,
 }
 
-/// What is allowed to be off.
+/// Tolerances of the extraction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Allowed {
     /// m; 1e-4 of the leg if absent.

@@ -8,12 +8,12 @@ use crate::files::machine::{Machine, SIX_HARDPOINT};
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::outputs::Outputs;
 
-/// What was added to the outputs.
+/// Files that were added to the outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenMechanism {
     /// The side file, if one is written.
     pub side: Option<PathBuf>,
-    /// What could not be kept, and what was chosen.
+    /// Properties that could not be kept, and what was chosen instead.
     pub warnings: Vec<String>,
 }
 

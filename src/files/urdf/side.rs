@@ -83,7 +83,7 @@ struct YamlDocument {
     joint_type: Vec<String>,
 }
 
-/// What a side file states of each leg, in its own unit.
+/// Values that a side file states for each leg, in its own unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PerLeg {
     /// True less commanded length.
@@ -92,7 +92,7 @@ pub(super) struct PerLeg {
     pub(super) strokes: Option<[Option<[f64; 2]>; 6]>,
 }
 
-/// What stands beside a URDF.
+/// Contents of the side files of a URDF.
 #[derive(Debug, Default)]
 pub(super) struct Beside {
     /// The TOML file that is used.
@@ -215,7 +215,7 @@ impl Beside {
         Ok(())
     }
 
-    /// What the call and the side files say, together. The call wins where only one of them can hold.
+    /// Settings of the call and the side files combined. The call wins where they conflict.
     pub(super) fn settings(&self, options: &UrdfOptions) -> Result<Settings, FileError> {
         let option =
             |names: &[String; 2]| Pair { names: names.clone(), motion: Motion::Undecided, source: Source::Option };

@@ -25,7 +25,7 @@ pub struct UrdfFiles {
     pub side: String,
     /// True if the side file states more than name and units.
     pub side_needed: bool,
-    /// What could not be kept, and what was chosen.
+    /// Properties that could not be kept, and what was chosen instead.
     pub warnings: Vec<String>,
 }
 

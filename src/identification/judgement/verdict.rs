@@ -10,9 +10,9 @@ use crate::units::{shortened, show_probability};
 pub struct CalibrationVerdict {
     /// True if nothing speaks against it.
     pub trusted: bool,
-    /// What speaks against it, one sentence each.
+    /// Reasons not to trust the result, one sentence each.
     pub reasons: Vec<String>,
-    /// What the user should know although it does not forbid the use.
+    /// Warnings that do not prevent the use of the result.
     pub warnings: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What the data decide, and in words what they do not.
+//! Directions that the data do not determine, described in words.
 //!
 //! The whitened Jacobian of the data, with each column multiplied by the tolerance of its parameter and the
 //! measurement's own parameters projected out, has one singular value for each direction of the parameters:
@@ -35,7 +35,7 @@ const UNSEEN: f64 = 1e-9;
 pub struct WeakDirection {
     /// Tolerance along the direction over the σ from the data alone; 0 if the data say nothing.
     pub sigma: f64,
-    /// What it is, in words.
+    /// Description in words.
     pub text: String,
 }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a closure and its outline before anything is solved.
+//! Checks of a closure and its outline before anything is solved.
 
 use super::evaluation::{Place, Wanted, derivatives};
 use super::pattern::Pattern;

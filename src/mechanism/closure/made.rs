@@ -60,7 +60,7 @@ impl<C: Closure> ClosureMechanism<C> {
         Self::make(closure, outline, nominal, all, None)
     }
 
-    /// The same mechanism of which only some parameters are identified; the others keep their values.
+    /// This mechanism with only some parameters identified; the others keep their values.
     ///
     /// # Errors
     /// [`GeometryError::Outline`] if no parameter is left.

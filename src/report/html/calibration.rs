@@ -8,7 +8,7 @@ use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
 use crate::units::{shortened, show_angle, show_length};
 
-/// What to do with a calibration that can be trusted.
+/// Advice for a calibration that can be trusted.
 const NEXT: &str = "compute commands with the calibrated file (`paracal compensate`), and run `paracal diagnose` to \
                     find errors in the data that geometry does not explain.";
 

@@ -78,7 +78,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     }
 }
 
-/// What to do where something is left without a name.
+/// Advice if part of the residual has no named cause.
 fn what_of_unknown(d: &Diagnosis) -> String {
     let Some((unknown, covariate)) = d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) else {
         return "What to do: record more of the conditions that may have changed, and measure again.".into();

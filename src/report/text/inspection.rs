@@ -1,4 +1,4 @@
-//! What `inspect` prints.
+//! Text output of `inspect`.
 
 use nalgebra::Vector3;
 
@@ -9,7 +9,7 @@ use crate::pose::PoseConvention;
 use crate::selection::Preview;
 use crate::units::{Dimension, fixed, show_angle, show_length, show_quantity, three_digits};
 
-/// What `inspect` found.
+/// Results of `inspect`.
 pub struct Inspection<'a> {
     /// The mechanism.
     pub mechanism: &'a dyn Mechanism,
@@ -29,11 +29,11 @@ pub struct Inspection<'a> {
     pub home_condition: f64,
     /// Extremes over the workspace.
     pub survey: Option<Survey>,
-    /// What 20 poses could tell.
+    /// Information that 20 well-chosen poses would give.
     pub preview: Option<Preview>,
-    /// Directions that they would not decide.
+    /// Directions that these poses would not determine.
     pub weak: Vec<WeakDirection>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -45,7 +45,7 @@ impl Inspection<'_> {
     }
 }
 
-/// What `inspect` prints.
+/// Text output of `inspect`.
 pub fn inspection(i: &Inspection<'_>) -> String {
     let mm = |v: f64| fixed(1e3 * v, 3);
     let point = |points: &[(usize, Vector3<f64>)], k: usize| {

@@ -15,7 +15,7 @@ pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settleme
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};
 
-/// What to do with a calibration that must not be trusted.
+/// Advice for a calibration that must not be trusted.
 pub(in crate::report) const WHAT_IS_WRONG: &str =
     "run `paracal diagnose` on the same two files: it names what the model or the file gets wrong.";
 
@@ -125,7 +125,7 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
     format!("Deviation from the file and its 1 sigma (~){unit}\n{}", table(&header, &rows))
 }
 
-/// What `calibrate` prints; the last line is the result in one sentence.
+/// Text output of `calibrate`; the last line is the result in one sentence.
 pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -> String {
     let found = &c.identification;
     let n = found.mechanism_parameters;
@@ -236,7 +236,7 @@ fn result_line(c: &Calibration) -> String {
     )
 }
 
-/// What `evaluate` prints.
+/// Text output of `evaluate`.
 pub fn evaluation(e: &ModelErrors, title: &str) -> String {
     let rows = [errors_row("RMS", &e.rms()), errors_row("mean", &e.mean()), errors_row("largest", &e.max())];
     let worst = e.samples.iter().max_by(|a, b| a.position.unwrap_or(0.0).total_cmp(&b.position.unwrap_or(0.0)));

@@ -1,4 +1,4 @@
-//! Measurements that settle a tie, and what a campaign would see, in words.
+//! Text output for measurements that settle a tie, and for the detection limits of a campaign.
 
 use super::table;
 use crate::diagnosis::{Diagnosis, MeasurementPlan, NotFound, NotTestable, TOLD_APART};
@@ -43,7 +43,7 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
     text
 }
 
-/// What a planned campaign would see, and of what it was planned.
+/// Detection limits of a planned campaign, and its assumptions.
 #[derive(Clone, Debug)]
 pub struct CampaignLimits {
     /// Number of poses.
@@ -54,11 +54,11 @@ pub struct CampaignLimits {
     pub conditions: String,
     /// Limits of the effects that it sees.
     pub limits: Vec<NotFound>,
-    /// What the others miss.
+    /// Effects that cannot be tested, with what they need.
     pub missing: Vec<NotTestable>,
 }
 
-/// What a planned campaign would see, with its noise and its conditions.
+/// Text output of the detection limits of a planned campaign, with its noise and its conditions.
 pub fn campaign_limits(c: &CampaignLimits) -> String {
     let (position, rotation) = (show_length(c.noise.position), show_angle(c.noise.rotation));
     format!(

@@ -1,4 +1,4 @@
-//! What chosen poses promise.
+//! Predicted accuracy of chosen poses.
 
 use super::maps::shown;
 use super::{ARCSECONDS, MICROMETRES};

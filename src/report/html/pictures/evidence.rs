@@ -1,4 +1,4 @@
-//! What speaks for the causes of a diagnosis.
+//! Evidence for the causes of a diagnosis.
 
 use super::{ARCSECONDS, MICROMETRES};
 use crate::diagnosis::{Cause, Diagnosis};

@@ -1,4 +1,4 @@
-//! What is left beside the noise.
+//! Residuals compared with the noise.
 
 use std::f64::consts::{PI, SQRT_2};
 

@@ -1,4 +1,4 @@
-//! What is left at each leg over what was recorded.
+//! Residuals of each leg over the recorded conditions.
 
 use std::collections::BTreeMap;
 
