@@ -48,7 +48,6 @@
 //! | [`simulation`] | true mechanisms, noise, Monte Carlo, work that survives a stop |
 //! | [`files`] | mechanism files (TOML, URDF), measurements and pose lists (CSV) |
 //! | [`report`] | results as text, JSON, charts and pages |
-//! | [`reproduction`] | the tables and figures of the paper, and what of them holds |
 //! | `conformance` | test suites for mechanisms, measurements, identifiers, indices and selectors (feature `conformance`) |
 //!
 //! # An example
@@ -70,7 +69,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Feature `cli` (on by default) builds the program `paracal`; switch it off to pay for no command-line crate.
+//! # Features
+//!
+//! | feature | adds | default |
+//! |---|---|---|
+//! | `files` | [`files`]: mechanism files in TOML, measurements and lists of poses in CSV | yes |
+//! | `urdf` | mechanism files in URDF | yes |
+//! | `report` | [`report`]: text, JSON, pages | yes |
+//! | `cli` | the program `paracal`, with all of these | yes |
+//! | `conformance` | `conformance`: test suites for implementations of your own | no |
+//!
+//! Without them the library is kinematics, measurement, observability, identification, effects, selection, diagnosis and
+//! simulation, on half of the crates.
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]
@@ -80,14 +90,15 @@ pub mod conditions;
 pub mod conformance;
 pub mod diagnosis;
 pub mod effect;
+#[cfg(feature = "files")]
 pub mod files;
 pub mod identification;
 pub mod measurement;
 pub mod mechanism;
 pub mod observability;
 pub mod pose;
+#[cfg(feature = "report")]
 pub mod report;
-pub mod reproduction;
 pub mod selection;
 pub mod simulation;
 pub mod solve;
@@ -97,6 +108,6 @@ pub mod units;
 pub use {nalgebra, rand};
 
 /// The examples of the README are compiled with the documentation.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "files"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

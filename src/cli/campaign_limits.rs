@@ -75,7 +75,7 @@ impl DiagnosisArgs {
         let samples =
             machine.planned_samples(poses, states).map_err(|(k, cause)| anyhow!("{}: {cause}", at_pose(k)))?;
         let failed = |error: IdentifyError| match error {
-            IdentifyError::Sample { row, cause, .. } => anyhow!("{}: {cause}", at_pose(row)),
+            IdentifyError::Sample { row, cause, .. } => anyhow!("{}: {cause}", at_pose(row.0)),
             other => anyhow!("{file}: --for-diagnosis: {other}"),
         };
         let data = planned(machine.plain(), samples, machine.convention, campaign.noise, [true; 6]).map_err(failed)?;

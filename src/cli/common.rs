@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-use crate::cli::paint::Paint;
 use crate::conditions::Conditions;
-use crate::files::{CsvTable, Machine, Measurement, UrdfOptions, number, read_measurement};
+use crate::files::{CsvTable, Machine, Measurement, UrdfOptions, number, pose_columns, read_measurement};
 use crate::identification::IdentifyError;
-use crate::measurement::Dataset;
+use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 use crate::report::html;
 use crate::units::Dimension;
+use anstyle::{AnsiColor, Style};
 use anyhow::{Result, anyhow};
 use indicatif::{ProgressBar, ProgressStyle};
 use sha2::{Digest, Sha256};
@@ -23,7 +23,14 @@ const WRONG: u8 = 2;
 /// Exit code of a result that must not be trusted.
 const UNTRUSTED: u8 = 3;
 
-/// How a command talks.
+/// A result in a sentence.
+const RESULT: Style = Style::new().bold();
+/// Something to mind.
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+/// Something wrong.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+
+/// How a command talks. Streams of `anstream` take the colours away where nobody sees them, and under `NO_COLOR`.
 pub(crate) struct Ui {
     /// One JSON object on standard output.
     pub(crate) json: bool,
@@ -39,24 +46,22 @@ impl Ui {
     /// Prints the result: JSON or text.
     pub(crate) fn result(&self, text: &str, json: &serde_json::Value) {
         use std::io::Write;
-        let mut out = std::io::stdout();
         // The last line is the result in a sentence.
         let (line, end) = text.split_at(text.trim_end().len());
         let shown = match (self.json, line.rsplit_once('\n')) {
             (true, _) => json.to_string(),
-            (false, Some((before, last))) => format!("{before}\n{}{end}", Paint::of(&out).bold(last)),
+            (false, Some((before, last))) => format!("{before}\n{RESULT}{last}{RESULT:#}{end}"),
             (false, None) => text.to_owned(),
         };
         // A reader that closed the pipe (`| head`) wants no more; that is no error of ours.
-        let _ = writeln!(out, "{shown}");
+        let _ = writeln!(anstream::stdout(), "{shown}");
     }
 
     /// Prints a warning on standard error.
     pub(crate) fn warn(&self, warning: &str) {
         self.warnings.borrow_mut().push(warning.to_owned());
         if !self.quiet {
-            let paint = Paint::of(&std::io::stderr());
-            tell(&format!("{} {warning}", paint.yellow("warning:")));
+            tell(&format!("{WARNING}warning:{WARNING:#} {warning}"));
         }
     }
 
@@ -154,18 +159,20 @@ pub(crate) struct JointsAndPose {
 
 /// A table of joints and poses in the units of the mechanism file.
 pub(crate) fn joints_and_poses(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
-    let (length, angle) = (machine.length_unit, machine.angle_unit);
+    let mut table = labelled_joints(machine, comment, rows);
+    table.append(&pose_columns(machine, rows.iter().map(|r| &r.pose)));
+    table
+}
+
+/// The same without the poses.
+pub(crate) fn labelled_joints(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
     let joints = machine.mechanism.joints();
     let labelled = rows.iter().any(|r| r.id.is_some());
     let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
     header.extend(joints.iter().map(|j| format!("{}_{}", j.name, machine.unit(j.dimension).name)));
-    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
-    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
     let row = |r: &JointsAndPose| {
         let mut cells: Vec<String> = if labelled { vec![r.id.clone().unwrap_or_default()] } else { Vec::new() };
         cells.extend(r.joints.iter().zip(joints).map(|(v, j)| number(machine.unit(j.dimension).from_si(*v))));
-        cells.extend(r.pose[..3].iter().map(|v| number(length.from_si(*v))));
-        cells.extend(r.pose[3..].iter().map(|v| number(angle.from_si(*v))));
         cells
     };
     CsvTable { comments: vec![comment], header, rows: rows.iter().map(row).collect() }
@@ -185,14 +192,14 @@ pub(crate) fn verdict(trusted: bool) -> ExitCode {
 
 /// Prints an error.
 pub(crate) fn report_error(error: &anyhow::Error) -> ExitCode {
-    tell(&format!("{} {error:#}", Paint::of(&std::io::stderr()).red("error:")));
+    tell(&format!("{ERROR}error:{ERROR:#} {error:#}"));
     ExitCode::from(WRONG)
 }
 
-/// A line on standard error; a reader that closed it wants none.
+/// A line on standard error, without colours where nobody sees them; a reader that closed it wants none.
 fn tell(line: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(anstream::stderr(), "{line}");
 }
 
 /// A failed identification or evaluation with the file that it is about.
@@ -209,7 +216,7 @@ pub(crate) fn about(error: IdentifyError, machine: &Machine, path: &Path, data: 
 }
 
 /// The joint of a row that is farthest from its place at home.
-fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
+fn odd_joint(machine: &Machine, data: &Dataset, row: DataRow) -> Option<String> {
     let mechanism = machine.mechanism.as_ref();
     let sample = data.iter().find(|s| s.row == row)?;
     let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;

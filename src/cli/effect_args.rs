@@ -5,7 +5,10 @@ use crate::files::{EffectEntry, Machine};
 use anyhow::{Result, anyhow, bail};
 
 /// Reads one effect of the call for a machine.
-pub(crate) fn effect_entry(text: &str, machine: &Machine) -> Result<(EffectEntry, ActiveEffect)> {
+///
+/// # Errors
+/// The argument, what is wrong with it, and how an effect is written.
+pub fn effect_entry(text: &str, machine: &Machine) -> Result<(EffectEntry, ActiveEffect)> {
     let place = format!("--effect '{text}'");
     let (mut entry, values) = parse(text).map_err(|problem| {
         anyhow!(

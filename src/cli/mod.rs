@@ -14,10 +14,8 @@ mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
-#[cfg(test)]
-mod mutated_calls;
-mod paint;
 mod reproduce;
+pub mod reproduction;
 mod select;
 mod select_args;
 mod settle;
@@ -31,6 +29,7 @@ use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use common::{Ui, report_error};
+pub use effect_args::effect_entry;
 
 /// Calibrates parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms.
 #[derive(Parser)]
@@ -39,7 +38,7 @@ use common::{Ui, report_error};
     after_help = "Exit codes: 0 done; 2 the input or the call is wrong, nothing was written; 3 done and written, \
                         but the result must not be trusted."
 )]
-struct Cli {
+pub struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Print one JSON object, and nothing else, on standard output.
@@ -91,7 +90,11 @@ pub fn main() -> ExitCode {
     run(&cli).unwrap_or_else(|error| report_error(&error))
 }
 
-fn run(cli: &Cli) -> Result<ExitCode> {
+/// Runs what a call asks for.
+///
+/// # Errors
+/// What is wrong with the call, the files that it names or the place of its outputs.
+pub fn run(cli: &Cli) -> Result<ExitCode> {
     let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()?, warnings: RefCell::default() };
     match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),

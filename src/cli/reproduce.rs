@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use crate::cli::reproduction::Journal;
+use crate::cli::reproduction::{EXHIBITS, Exhibit, Progress, ReproductionContext, Settings, page, reproduce};
 use crate::files::Outputs;
-use crate::reproduction::{EXHIBITS, Exhibit, Progress, ReproductionContext, Settings, page, reproduce};
-use crate::simulation::Journal;
 use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::files::{ListedPose, Machine, Outputs, read_poses};
+use crate::mechanism::Workspace;
 use crate::observability::{Scaling, index};
 use crate::pose::Pose;
 use crate::report::{html, json, text};
 use crate::selection::{
-    Campaign, Candidates, ChosenSet, Forecaster, MOST_POSES, Objective, SelectionError, SelectionTask, Sources,
-    how_many, select_among, smallest_number,
+    Campaign, Candidates, ChosenSet, Forecaster, MOST_POSES, Objective, Requirement, SelectionError, SelectionTask,
+    Sources, Step, how_many, select_among, smallest_number,
 };
 use anyhow::{Context, Result, anyhow, bail};
 
@@ -37,143 +38,32 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let to_diagnose = args.diagnosis.campaign(&machine, ui)?;
-    let mechanism = machine.mechanism.as_ref();
-    let file = || args.mechanism.display().to_string();
     let workspace = machine.workspace.with_context(|| {
         format!(
             "{}: there is no [workspace] to choose poses from; state \
-                                                   one",
-            file()
+                                  one",
+            args.mechanism.display()
         )
     })?;
-    let poses = |path: &Option<PathBuf>| -> Result<Vec<Pose>> {
-        let Some(path) = path else { return Ok(Vec::new()) };
-        Ok(read_poses(path, &machine)?.into_iter().map(|l: ListedPose| l.pose).collect())
-    };
-    let (given, targets) = (poses(&args.given)?, poses(&args.targets)?);
-    let chosen = args.selector();
-    let random = number.unwrap_or(0);
-    let corners = chosen.wants_corners() && !args.no_corners && listed.is_none();
-    if random == 0 && listed.is_none() && !corners {
-        bail!("--candidates 0: without corners there is nothing to choose from");
-    }
-    let sources =
-        Sources { random, corners_and_grid: corners, listed: poses(&listed).context("--candidates")?, seed: args.seed };
-
-    let noise = machine.noise.as_ref();
-    let whitened = Campaign::new(mechanism, &workspace, noise, Scaling::Whitened);
-    let (scaling, why_not) = match (args.scaling, &whitened) {
-        (Some(ScalingChoice::Paper), _) => (Scaling::Paper, None),
-        (Some(ScalingChoice::Whitened), _) | (None, Ok(_)) => (Scaling::Whitened, None),
-        (None, Err(cause)) => (Scaling::Paper, Some(cause.clone())),
-    };
-    if args.index == "pose-error" && scaling == Scaling::Paper {
-        bail!(
-            "{}: --index pose-error is stated in units of the noise; it needs --scaling whitened with [noise] and [tolerance]",
-            file()
-        );
-    }
-    let about = |cause: SelectionError| match cause {
-        SelectionError::Given { .. } => anyhow!("{}: {cause}", args.given.clone().unwrap_or_default().display()),
-        SelectionError::NoTarget(_) if args.targets.is_some() => {
-            anyhow!("{}: {cause}", args.targets.clone().unwrap_or_default().display())
-        }
-        _ => anyhow!("{}: {cause}", file()),
-    };
-    let forecaster =
-        whitened.clone().ok().map(|campaign| Forecaster::new(campaign, &targets)).transpose().map_err(about)?;
-    let campaign = match scaling {
-        Scaling::Whitened => whitened.map_err(about)?,
-        Scaling::Paper => Campaign::new(mechanism, &workspace, noise, scaling).map_err(about)?,
-    };
-    if forecaster.is_none() && (requirement.is_some() || !targets.is_empty()) {
-        bail!("{}: the error of the calibrated pose is predicted from [noise] and [tolerance]; state both", file());
-    }
-    if let Some(cause) = why_not {
-        ui.warn(&format!("{}; the index is taken in mm and rad (--scaling paper)", short(&cause)));
-    }
-
+    let job = Job { args, ui, machine: &machine, requirement };
+    let (given, targets) = (job.poses(&args.given)?, job.poses(&args.targets)?);
+    let sources = job.sources(number, &listed)?;
+    let (campaign, forecaster) = job.campaign(&workspace, &targets)?;
     let start = std::time::Instant::now();
-    let bar = ui.steps("collecting candidates");
-    let candidates = Candidates::collect(&campaign, &sources).map_err(about)?;
-    if listed.is_none() && candidates.tried > 2 * candidates.len() {
-        ui.warn(&format!("only {} of the {} poses tried can be measured", candidates.len(), candidates.tried));
-    }
-    let named = index(&args.index);
-    let aim = match (named.as_deref(), &forecaster) {
-        (Some(index), _) => Objective::Index(index),
-        (None, Some(forecaster)) => Objective::PoseError(forecaster),
-        // Whitened rows were asked for above, and with them there is a forecast.
-        (None, None) => return Err(about(SelectionError::NoNoise)),
-    };
-    let watch = |step: crate::selection::Step| bar.set(step.done, step.total);
-    let plan = SelectionTask {
-        campaign: &campaign,
-        forecaster: forecaster.as_ref(),
-        aim,
-        given: &given,
-        seed: args.seed,
-        watch: &watch,
-    };
-    let quick = args.quicker();
-    let n = match (&requirement, args.n) {
-        (Some(wanted), _) => {
-            bar.say("looking for the number of poses");
-            smallest_number(&plan, quick.as_ref(), &candidates, wanted).map_err(about)?
-        }
-        (None, n) => n.unwrap_or(POSES.max(given.len() + 1)),
-    };
-    bar.say(&format!("choosing {n} poses from {}", candidates.len()));
-    let mut report = select_among(&plan, chosen.as_ref(), &candidates, n, true).map_err(about)?;
-    // Another index than the error itself may end elsewhere than the search for the number did.
-    if requirement.is_some_and(|wanted| !wanted.met_by(&report)) {
-        report = select_among(&plan, quick.as_ref(), &candidates, n, true).map_err(about)?;
-    }
-    if !(report.value > 0.0 && report.value.is_finite()) {
-        bail!(
-            "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, or \
-             offer other candidates",
-            file(),
-            report.index,
-            report.value
-        );
-    }
-    let table = if args.table {
-        bar.say("comparing numbers of poses");
-        how_many(&plan, quick.as_ref(), &candidates, TABLE, true).map_err(about)?
-    } else {
-        Vec::new()
-    };
-    bar.finish();
+    let Choice { report, table } = job.choose(&campaign, forecaster.as_ref(), &sources, &given)?;
     let seconds = start.elapsed().as_secs_f64();
-    if n > MOST_POSES {
-        ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying off"));
-    }
-    if report.invisible > 0 {
-        ui.warn(&format!(
-            "no candidate determines {} of the {} parameter directions; the index is taken over the others",
-            report.invisible,
-            mechanism.parameters().len()
-        ));
-    }
-    let rows = commands(&machine, &report, given.len())?;
+    job.warn(&report);
     let limits = to_diagnose.map(|c| args.diagnosis.limits(&c, &machine, &report.poses)).transpose()?;
-    let comment = format!(
-        "{} poses for {}: {} = {:e} ({} scaling), {}, seed {}",
-        report.poses.len(),
-        mechanism.name(),
-        report.index,
-        report.value,
-        scaling.name(),
-        chosen.name(),
-        args.seed
-    );
+    let scaling = campaign.scaling;
+    let selector = args.selector();
+    let rows = commands(&machine, &report, given.len())?;
+    let comment = comment(&machine, &report, scaling, selector.name(), args.seed);
     outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
     let shown = text::Selection {
-        title: mechanism.name(),
+        title: machine.mechanism.name(),
         report: &report,
         scaling,
-        selector: chosen.name(),
+        selector: selector.name(),
         given: given.len(),
         table: &table,
         requirement: requirement.as_ref(),
@@ -182,13 +72,179 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     };
     if let Some(path) = &args.report {
         let read = machine.inputs().iter().chain(lists.into_iter().flatten());
-        let subject = page_subject(ui, &machine, mechanism, settings(Some(args.seed), read));
+        let subject = page_subject(ui, &machine, machine.mechanism.as_ref(), settings(Some(args.seed), read));
         outputs.add(path, html::selection(&shown, &subject).html())?;
     }
     outputs.write()?;
     let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();
     ui.result(&text::selection(&shown), &json::selection(&shown, &coordinates, seconds));
     Ok(ExitCode::SUCCESS)
+}
+
+/// One call, once its mechanism is read.
+struct Job<'a> {
+    args: &'a Args,
+    ui: &'a Ui,
+    machine: &'a Machine,
+    requirement: Option<Requirement>,
+}
+
+/// What was chosen, and what other numbers of poses would give if that was asked.
+struct Choice {
+    report: ChosenSet,
+    table: Vec<ChosenSet>,
+}
+
+impl<'a> Job<'a> {
+    fn file(&self) -> String {
+        self.args.mechanism.display().to_string()
+    }
+
+    /// A failure with the file that it is about.
+    fn about(&self, cause: &SelectionError) -> anyhow::Error {
+        match (cause, &self.args.given, &self.args.targets) {
+            (SelectionError::Given { .. }, given, _) => {
+                anyhow!("{}: {cause}", given.clone().unwrap_or_default().display())
+            }
+            (SelectionError::NoTarget(_), _, Some(targets)) => anyhow!("{}: {cause}", targets.display()),
+            _ => anyhow!("{}: {cause}", self.file()),
+        }
+    }
+
+    /// The poses of a list, or none.
+    fn poses(&self, path: &Option<PathBuf>) -> Result<Vec<Pose>> {
+        let Some(path) = path else { return Ok(Vec::new()) };
+        Ok(read_poses(path, self.machine)?.into_iter().map(|l: ListedPose| l.pose).collect())
+    }
+
+    /// Where candidates come from.
+    fn sources(&self, number: Option<usize>, listed: &Option<PathBuf>) -> Result<Sources> {
+        let random = number.unwrap_or(0);
+        let corners = self.args.selector().wants_corners() && !self.args.no_corners && listed.is_none();
+        if random == 0 && listed.is_none() && !corners {
+            bail!("--candidates 0: without corners there is nothing to choose from");
+        }
+        let listed = self.poses(listed).context("--candidates")?;
+        Ok(Sources { random, corners_and_grid: corners, listed, seed: self.args.seed })
+    }
+
+    /// The campaign in the scaling that was asked for, or that is possible, and what predicts its error.
+    fn campaign(&self, workspace: &Workspace, targets: &[Pose]) -> Result<(Campaign<'a>, Option<Forecaster<'a>>)> {
+        let (mechanism, noise) = (self.machine.mechanism.as_ref(), self.machine.noise.as_ref());
+        let whitened = Campaign::new(mechanism, workspace, noise, Scaling::Whitened);
+        let (scaling, why_not) = match (self.args.scaling, &whitened) {
+            (Some(ScalingChoice::Paper), _) => (Scaling::Paper, None),
+            (Some(ScalingChoice::Whitened), _) | (None, Ok(_)) => (Scaling::Whitened, None),
+            (None, Err(cause)) => (Scaling::Paper, Some(cause.clone())),
+        };
+        if self.args.index == "pose-error" && scaling == Scaling::Paper {
+            bail!(
+                "{}: --index pose-error is stated in units of the noise; it needs --scaling whitened with [noise] and [tolerance]",
+                self.file()
+            );
+        }
+        let about = |cause| self.about(&cause);
+        let forecaster =
+            whitened.clone().ok().map(|campaign| Forecaster::new(campaign, targets)).transpose().map_err(about)?;
+        let campaign = match scaling {
+            Scaling::Whitened => whitened,
+            Scaling::Paper => Campaign::new(mechanism, workspace, noise, scaling),
+        };
+        let campaign = campaign.map_err(about)?;
+        if forecaster.is_none() && (self.requirement.is_some() || !targets.is_empty()) {
+            bail!(
+                "{}: the error of the calibrated pose is predicted from [noise] and [tolerance]; state both",
+                self.file()
+            );
+        }
+        if let Some(cause) = why_not {
+            self.ui.warn(&format!("{}; the index is taken in mm and rad (--scaling paper)", short(&cause)));
+        }
+        Ok((campaign, forecaster))
+    }
+
+    /// Collects candidates and chooses among them.
+    fn choose(
+        &self,
+        campaign: &Campaign<'_>,
+        forecaster: Option<&Forecaster<'_>>,
+        sources: &Sources,
+        given: &[Pose],
+    ) -> Result<Choice> {
+        let about = |cause| self.about(&cause);
+        let bar = self.ui.steps("collecting candidates");
+        let candidates = Candidates::collect(campaign, sources).map_err(about)?;
+        if sources.listed.is_empty() && candidates.tried > 2 * candidates.len() {
+            self.ui.warn(&format!("only {} of the {} poses tried can be measured", candidates.len(), candidates.tried));
+        }
+        let named = index(&self.args.index);
+        let aim = match (named.as_deref(), forecaster) {
+            (Some(index), _) => Objective::Index(index),
+            (None, Some(forecaster)) => Objective::PoseError(forecaster),
+            // Whitened rows were asked for, and with them there is a forecast.
+            (None, None) => return Err(about(SelectionError::NoNoise)),
+        };
+        let watch = |step: Step| bar.set(step.done, step.total);
+        let plan = SelectionTask { campaign, forecaster, aim, given, seed: self.args.seed, watch: &watch };
+        let (selector, quick) = (self.args.selector(), self.args.quicker());
+        let n = match (&self.requirement, self.args.n) {
+            (Some(wanted), _) => {
+                bar.say("looking for the number of poses");
+                smallest_number(&plan, quick.as_ref(), &candidates, wanted).map_err(about)?
+            }
+            (None, n) => n.unwrap_or(POSES.max(given.len() + 1)),
+        };
+        bar.say(&format!("choosing {n} poses from {}", candidates.len()));
+        let mut report = select_among(&plan, selector.as_ref(), &candidates, n, true).map_err(about)?;
+        // Another index than the error itself may end elsewhere than the search for the number did.
+        if self.requirement.is_some_and(|wanted| !wanted.met_by(&report)) {
+            report = select_among(&plan, quick.as_ref(), &candidates, n, true).map_err(about)?;
+        }
+        if !(report.value > 0.0 && report.value.is_finite()) {
+            bail!(
+                "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, \
+                 or offer other candidates",
+                self.file(),
+                report.index,
+                report.value
+            );
+        }
+        let table = if self.args.table {
+            bar.say("comparing numbers of poses");
+            how_many(&plan, quick.as_ref(), &candidates, TABLE, true).map_err(about)?
+        } else {
+            Vec::new()
+        };
+        bar.finish();
+        Ok(Choice { report, table })
+    }
+
+    /// Says what the user should know of a choice.
+    fn warn(&self, report: &ChosenSet) {
+        let n = report.poses.len();
+        if n > MOST_POSES {
+            self.ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying off"));
+        }
+        if report.invisible > 0 {
+            self.ui.warn(&format!(
+                "no candidate determines {} of the {} parameter directions; the index is taken over the others",
+                report.invisible,
+                self.machine.mechanism.parameters().len()
+            ));
+        }
+    }
+}
+
+/// The first line of the list of poses.
+fn comment(machine: &Machine, report: &ChosenSet, scaling: Scaling, selector: &str, seed: u64) -> String {
+    format!(
+        "{} poses for {}: {} = {:e} ({} scaling), {selector}, seed {seed}",
+        report.poses.len(),
+        machine.mechanism.name(),
+        report.index,
+        report.value,
+        scaling.name(),
+    )
 }
 
 /// The first half of a refusal: what is missing.

@@ -6,26 +6,21 @@ use std::sync::Arc;
 
 use crate::effect::{ActiveEffect, AvailableData, EffectContext, Extended, effects_of, without_effects};
 use crate::files::{
-    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, number, read_parameter_errors, read_pose_list,
+    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, READING_KINDS, read_parameter_errors,
+    read_pose_list, reading_kind,
 };
 use crate::measurement::{Frames, Noise};
 use crate::mechanism::Mechanism;
-use crate::simulation::{Command, Instrument, SimulatedSample, draw_parameters, measured_heights, simulate_run};
-use crate::units::{Dimension, Unit, parse_quantity, shortened, show_angle, show_length};
-use anyhow::{Result, anyhow, bail};
-use clap::ValueEnum;
+use crate::simulation::{Command, Instrument, SimulatedSample, draw_parameters, simulate_run};
+use crate::units::{Dimension, parse_quantity, shortened};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::builder::PossibleValuesParser;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
-use crate::cli::common::{JointsAndPose, Ui, joints_and_poses};
+use crate::cli::common::{JointsAndPose, Ui, labelled_joints};
 use crate::cli::effect_args::effect_entry;
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Measure {
-    Pose,
-    Contact,
-}
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
@@ -61,10 +56,10 @@ pub(crate) struct Args {
     /// 1 sigma of a measured angle; that of the mechanism file if absent.
     #[arg(long, value_name = "ANGLE")]
     noise_rotation: Option<String>,
-    /// What to measure: full poses, or the height over the plane of the mechanism file (contact_mm), with the noise of
-    /// a position.
-    #[arg(long, value_enum, default_value = "pose")]
-    measure: Measure,
+    /// What is measured: full poses, the positions of the targets of the mechanism file (p1x_mm …), or the height over its
+    /// plane (contact_mm); a height has the noise of a position.
+    #[arg(long, default_value = "pose", value_parser = PossibleValuesParser::new(READING_KINDS.map(|kind| kind.name())))]
+    measure: String,
     /// Random seed of errors and noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -80,14 +75,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(truth) = &args.truth {
         outputs.check(truth)?;
     }
-    let quantity = |option: &str, text: &Option<String>, dimension| match text {
-        None => Ok(None),
-        Some(text) => match parse_quantity(text, dimension) {
-            Ok(value) if value < 0.0 => Err(anyhow!("--{option} {text}: must not be negative")),
-            Ok(value) => Ok(Some(value)),
-            Err(cause) => Err(anyhow!("--{option}: {cause}")),
-        },
-    };
     // `None` within draws by the tolerances.
     let error_sd = match args.error_sd.as_deref() {
         Some("tolerance") => Some(None),
@@ -108,26 +95,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ..stated
     };
     let mut rng = ChaCha8Rng::seed_from_u64(args.seed);
-    let values = match (&args.errors, error_sd) {
-        (Some(path), _) => {
-            let errors = read_parameter_errors(path, mechanism)?;
-            mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect()
-        }
-        (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
-            return Err(anyhow!(
-                "{}: --error-sd tolerance: state [tolerance], or give a length",
-                args.mechanism.display()
-            ));
-        }
-        (None, Some(sd)) => draw_parameters(mechanism, sd, &mut rng),
-        (None, None) => mechanism.values().to_vec(),
-    };
-    let inner = mechanism.with_values(&values, mechanism.home())?;
-    let moving = effects_of(actual.mechanism.as_ref()).to_vec();
-    let truth: Box<dyn Mechanism> = match moving.is_empty() {
-        true => inner,
-        false => Box::new(Extended::new(inner, Arc::clone(actual.environment()), moving)),
-    };
+    let values = true_values(args, mechanism, error_sd, &mut rng)?;
+    let truth = true_mechanism(&actual, &values)?;
     let run: Vec<Command> = listed.iter().map(|l| Command { pose: l.pose, state: l.conditions.clone() }).collect();
     let context = EffectContext::new(mechanism, actual.environment());
     let instrument = Instrument { context: &context, effects: actual.instrument() };
@@ -138,22 +107,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
     })?;
     warn_outside(ui, mechanism, &samples);
-    let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
-        id: listed.id.clone(),
-        joints: sample.joints.clone(),
-        pose: sample.measured,
-    };
-    let rows: Vec<JointsAndPose> = listed.iter().zip(&samples).map(row).collect();
-    let shown_noise = match args.measure {
-        Measure::Pose => format!("{} and {}", show_length(noise.position), show_angle(noise.rotation)),
-        Measure::Contact => show_length(noise.position),
-    };
+    let kind = reading_kind(&args.measure).with_context(|| format!("no kind of reading is '{}'", args.measure))?;
+    let shown_noise = kind.shown_noise(&noise);
     let comment = format!("simulated: {}, noise {shown_noise}, seed {}", mechanism.name(), args.seed);
-    let mut table = joints_and_poses(&machine, comment, &rows);
-    if args.measure == Measure::Contact {
-        let heights = measured_heights(&samples, &machine.contact, &noise, &mut rng);
-        with_heights(&mut table, &heights, machine.length_unit);
-    }
+    let mut table = commands(&machine, comment, listed, &samples);
+    table.append(&kind.simulate(&machine, &samples, &noise, &mut rng)?);
     table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
     if let Some(path) = &args.truth {
@@ -173,6 +131,58 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     });
     ui.result(&text, &shown);
     Ok(ExitCode::SUCCESS)
+}
+
+/// A quantity of the call that must not be negative.
+fn quantity(option: &str, text: &Option<String>, dimension: Dimension) -> Result<Option<f64>> {
+    let Some(text) = text else { return Ok(None) };
+    match parse_quantity(text, dimension) {
+        Ok(value) if value < 0.0 => Err(anyhow!("--{option} {text}: must not be negative")),
+        Ok(value) => Ok(Some(value)),
+        Err(cause) => Err(anyhow!("--{option}: {cause}")),
+    }
+}
+
+/// Values of the parameters of the true mechanism. Errors are drawn with one standard deviation, or with the tolerances
+/// if that is `None`.
+fn true_values(
+    args: &Args,
+    mechanism: &dyn Mechanism,
+    error_sd: Option<Option<f64>>,
+    rng: &mut ChaCha8Rng,
+) -> Result<Vec<f64>> {
+    match (&args.errors, error_sd) {
+        (Some(path), _) => {
+            let errors = read_parameter_errors(path, mechanism)?;
+            Ok(mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect())
+        }
+        (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
+            bail!("{}: --error-sd tolerance: state [tolerance], or give a length", args.mechanism.display())
+        }
+        (None, Some(sd)) => Ok(draw_parameters(mechanism, sd, rng)),
+        (None, None) => Ok(mechanism.values().to_vec()),
+    }
+}
+
+/// The mechanism of these values with the effects of the machine.
+fn true_mechanism(actual: &Machine, values: &[f64]) -> Result<Box<dyn Mechanism>> {
+    let inner = actual.plain().with_values(values, actual.plain().home())?;
+    let moving = effects_of(actual.mechanism.as_ref()).to_vec();
+    Ok(match moving.is_empty() {
+        true => inner,
+        false => Box::new(Extended::new(inner, Arc::clone(actual.environment()), moving)),
+    })
+}
+
+/// The commanded joints of the rows, with their labels.
+fn commands(machine: &Machine, comment: String, listed: &[ListedPose], samples: &[SimulatedSample]) -> CsvTable {
+    let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
+        id: listed.id.clone(),
+        joints: sample.joints.clone(),
+        pose: sample.measured,
+    };
+    let rows: Vec<JointsAndPose> = listed.iter().zip(samples).map(row).collect();
+    labelled_joints(machine, comment, &rows)
 }
 
 /// The machine with the effects of its file and of the call, which refer to the temperatures of the list.
@@ -208,17 +218,6 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
     }
     drop(context);
     Ok(actual)
-}
-
-/// Puts heights in the place of the six columns of the pose.
-fn with_heights(table: &mut CsvTable, heights: &[f64], unit: Unit) {
-    let joints = table.header.len() - 6;
-    table.header.truncate(joints);
-    table.header.push(format!("contact_{}", unit.name));
-    for (row, height) in table.rows.iter_mut().zip(heights) {
-        row.truncate(joints);
-        row.push(number(unit.from_si(*height)));
-    }
 }
 
 fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::files::urdf::{Finding, findings_text};
+use crate::files::finding::{Finding, findings_text};
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 
@@ -180,7 +180,6 @@ pub enum FileError {
     },
 }
 
-/// One line for each finding.
 /// The text of a file.
 ///
 /// # Errors

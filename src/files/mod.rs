@@ -8,24 +8,31 @@
 //! Errors name the file, the place in it, the value and what to do ([`FileError`]).
 
 mod error;
+mod finding;
 mod machine;
 mod mechanism;
+mod open;
 mod outputs;
 mod questions;
+mod readings;
 mod table;
 mod urdf;
 
 pub use error::FileError;
+pub use finding::{Finding, FindingKind};
 pub use machine::Machine;
-pub use mechanism::document::{
-    ActuatorSection, CableEntry, HomeSection, LegEntry, MechanismDocument, MountingSection, NoiseSection,
-    PlatformSection, TargetEntry, ToleranceSection, WorkspaceSection,
+pub use mechanism::document::MechanismDocument;
+pub use mechanism::sections::{
+    ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
+    OffsetSection, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection, WorkspaceSection,
 };
-pub use mechanism::entries::{EffectEntry, OffsetSection, SensorEntry};
-pub use mechanism::plane::PlaneSection;
 pub use outputs::Outputs;
+#[cfg(feature = "cli")]
+pub(crate) use readings::{KINDS as READING_KINDS, pose::pose_columns, reading_kind};
 pub use table::measurement_file::{Measurement, read_measurement};
 pub use table::planned::{PlannedConditions, read_conditions};
 pub use table::pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
 pub use table::writer::{CsvTable, number};
-pub use urdf::{Finding, FindingKind, HomeJoint, UrdfFiles, UrdfOptions, WrittenMechanism};
+pub use urdf::options::{HomeJoint, UrdfOptions};
+pub use urdf::output::WrittenMechanism;
+pub use urdf::writer::UrdfFiles;

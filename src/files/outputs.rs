@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use crate::files::FileError;
+use crate::files::error::FileError;
 
 /// Files that are to appear together.
 ///

@@ -23,19 +23,22 @@
 //! Eighteen of the 42 directions are pure convention: six for the place of the tracker, six for that of the target, six
 //! leg offsets. They are identified like any other, reported, and not judged.
 
+mod calibrate;
 mod calibration;
+mod carried;
 mod error;
 mod estimators;
 mod judgement;
 mod problem;
 mod registration;
+mod task;
 
-pub use calibration::{Calibration, CalibrationOptions, calibrate};
+pub use calibrate::calibrate;
+pub use calibration::{Calibration, CalibrationOptions};
 pub use error::IdentifyError;
 pub use estimators::identification::{Estimate, Identification};
-pub use estimators::identifiers::{
-    IDENTIFIERS, Identifier, LeastSquares, LevenbergMarquardt, choose_prior, identifier,
-};
+pub use estimators::identifiers::{Identifier, LeastSquares, LevenbergMarquardt, choose_prior};
+pub use estimators::registry::{IDENTIFIERS, identifier};
 pub use estimators::robust::{Loss, Robust};
 pub use judgement::deviations::{Deviation, deviations};
 pub use judgement::goodness_of_fit::GoodnessOfFit;
@@ -45,31 +48,7 @@ pub use judgement::plausibility::{Implausible, Plausibility, plausibility};
 pub use judgement::prediction::{pose_covariance, predicted_errors};
 pub use judgement::verdict::CalibrationVerdict;
 pub use judgement::weak_directions::{DataSpectrum, WeakDirection, weak_directions};
-pub use problem::calibration_problem::{CalibrationProblem, Weights};
+pub use problem::calibration_problem::CalibrationProblem;
 pub use problem::prior::{FrameConvention, Prior, PriorPolicy, frames_differ};
 pub use registration::{Registration, register};
-
-use crate::measurement::Dataset;
-use crate::mechanism::Mechanism;
-
-/// Input of an [`Identifier`].
-#[derive(Clone, Copy, Debug)]
-pub struct Task<'a> {
-    /// The mechanism; its values are the start and the centre of the prior.
-    pub mechanism: &'a dyn Mechanism,
-    /// The samples.
-    pub data: &'a Dataset,
-    /// Where priors come from.
-    pub prior: PriorPolicy,
-    /// How to weight the rows.
-    pub weights: Weights,
-    /// Whether the data are in the frames of the mechanism file, for a prior.
-    pub convention: FrameConvention,
-}
-
-impl<'a> Task<'a> {
-    /// Identification of `mechanism` from `data`, weighted by the noise, with a prior where it is needed.
-    pub fn new(mechanism: &'a dyn Mechanism, data: &'a Dataset) -> Self {
-        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, convention: FrameConvention::Stated }
-    }
-}
+pub use task::{Task, Weights};

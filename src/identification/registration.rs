@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 
-use crate::identification::IdentifyError;
+use crate::identification::error::IdentifyError;
 use crate::identification::problem::calibration_problem::pose_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};

@@ -1,8 +1,9 @@
 //! Presentation of results for people and programs; nothing is computed here.
 //!
-//! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on, [`chart`]
-//! pictures as SVG, [`html`] pages.
+//! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on, [`html`] pages.
+//! Charts are drawn for these pages and for the pictures of the documentation; they may change with any version.
 
+#[doc(hidden)]
 pub mod chart;
 pub mod html;
 pub mod json;

@@ -10,21 +10,18 @@
 //! | [`Trial`] | a whole calibration: simulate, identify, and see where the calibrated model leads |
 //! | [`monte_carlo`], [`summarise`] | repeat anything, each draw with its own random stream |
 //! | [`RunningStats`] | mean, spread and extremes of numbers that come one by one |
-//! | [`Journal`] | work in units that survive an interruption: finished units are read back and not repeated |
 //!
 //! Randomness comes in as a seeded generator. A draw has the stream of its number, and blocks of draws are joined in
 //! their order, so that results are the same, to the last bit, on any number of threads.
 
 mod generator;
-mod journal;
 mod monte_carlo;
 mod running_stats;
 mod trial;
 
-pub use generator::{
-    Command, Instrument, SimulatedSample, as_dataset, draw_parameters, measured_heights, simulate, simulate_run,
-};
-pub use journal::{Journal, JournalError};
+#[cfg(feature = "files")]
+pub(crate) use generator::normal;
+pub use generator::{Command, Instrument, SimulatedSample, as_dataset, draw_parameters, simulate, simulate_run};
 pub use monte_carlo::{monte_carlo, stream, summarise};
 pub use running_stats::RunningStats;
 pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

@@ -24,8 +24,10 @@ mod gauss_newton;
 mod least_squares;
 mod levenberg_marquardt;
 mod linear;
+mod linearized;
 mod minimum_norm;
 mod newton;
+mod pseudo_inverse;
 mod state;
 
 pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
@@ -36,5 +38,7 @@ pub use least_squares::{
 };
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
+pub(crate) use linearized::linearized;
 pub(crate) use minimum_norm::minimum_norm;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
+pub(crate) use pseudo_inverse::{pseudo_inverse, with_unit_columns};

@@ -14,8 +14,8 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 use devtools::Browser;
-use paracal::reproduction::{self, Exhibit, ReproductionContext, Settings, reproduce};
-use paracal::simulation::Journal;
+use paracal::cli::reproduction::Journal;
+use paracal::cli::reproduction::{self, Exhibit, ReproductionContext, Settings, reproduce};
 use view::{VIEWS, View};
 
 const LARGEST: u64 = 1_500_000;

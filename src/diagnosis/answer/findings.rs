@@ -1,33 +1,27 @@
 //! From the end of the search to the answer.
 
-use crate::diagnosis::answer::evidence::{added_variable, joint_residuals};
+use crate::diagnosis::answer::causes::causes;
+use crate::diagnosis::answer::evidence::joint_residuals;
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
-use crate::diagnosis::answer::limits::{lambda, limit};
+use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{
-    Cause, CauseParameter, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Rival, Unknown, Verdict,
+    Cause, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Unknown, UnknownTest, Verdict,
 };
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::model::{Hypothesis, Model};
-use crate::diagnosis::planning::settle::TOLD_APART;
+use crate::diagnosis::question::Question;
 use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::remainder::{remainder, rival, worth_of};
-use crate::diagnosis::search::stepwise::{Score, TIED, related, scores, separability};
-use crate::diagnosis::{DiagnoseError, Question};
-use crate::effect::EffectParameter;
+use crate::diagnosis::search::stepwise::TIED;
 use crate::identification::Registration;
-use crate::units::{Dimension, three_digits};
+use crate::units::three_digits;
 
-/// A size below this many limits is tentative.
-const TENTATIVE: f64 = 2.0;
 /// Residuals this many times the stated noise belong to another mechanism, or to none.
 const HOPELESS: f64 = 100.0;
-/// A value that is known to this many usual sizes only is not known.
-const UNSEEN: f64 = 1e6;
 /// Residuals that names made this much smaller are those of rounded numbers.
 const ROUNDING: f64 = 1e-6;
-/// Usual sizes beyond which a value is not plausible.
-const PLAUSIBLE: f64 = 10.0;
 
 /// Puts the answer together.
 pub(crate) fn findings(
@@ -40,77 +34,21 @@ pub(crate) fn findings(
 ) -> Result<Diagnosis, DiagnoseError> {
     let model = state.model(subject, state.names.clone())?;
     let without = state.model(subject, Vec::new())?;
-    let known = covariates(subject.data);
-    let mut causes = causes(subject, state, &model)?;
-    let mut unknown = remainder(&model, &known).filter(|u| !is_rounding(state, &without, &model, u.leg));
-    let mut effects = state.point.effects.clone();
-    let mut withdrawn = false;
-    if !state.names.is_empty() {
-        let worth = worth_of(&without, &subject.groups, &state.names) - price_of_places(subject, &state.names);
-        if let Some(found) = rival(&without, &known, worth, TIED) {
-            let names = causes.iter().map(|c| c.effect.clone()).collect();
-            unknown = Some(Unknown { withdrawn: names, ..found });
-            causes.clear();
-            effects.clear();
-            withdrawn = true;
-        }
-    }
-    if unknown.is_none() && patchwork(subject, &state.names) {
-        // Jumps and drifts stacked on each other describe anything that changes with time.
-        unknown = Some(Unknown {
-            covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
-            ..Unknown::by("patchwork", causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
-        });
-    }
-    if subject.data.noise.known && is_hopeless(subject, state, if withdrawn { &without } else { &model }) {
-        let names = causes.drain(..).map(|c| c.effect).collect();
-        effects.clear();
-        withdrawn = true;
-        unknown = Some(Unknown { withdrawn: names, ..Unknown::by("misfit", 0.0) });
-    }
+    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, &model, &without)?;
     let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, state.names.clone()) };
+    let mut effects = if withdrawn { Vec::new() } else { state.point.effects.clone() };
     let kept = state.kept();
-    let verdict = match (&unknown, causes.is_empty()) {
-        (Some(_), _) => Verdict::Unknown,
-        (None, true) => Verdict::Clean,
-        (None, false) if causes.iter().any(|c| !c.tied_with.is_empty()) => Verdict::Tied,
-        (None, false) => Verdict::Named,
-    };
     let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept));
     }
-    let rows: Vec<usize> = state.left_out.iter().map(|k| subject.data.sample(*k).row).collect();
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
-    let values = state.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect();
-    let own = state.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect();
-    let mut warnings = Vec::new();
-    if registration.applied {
-        warnings.push(
-            "the data are in a different frame from the mechanism file; causes act in the base frame of the file, and \
-             an extended model is written in that frame"
-                .into(),
-        );
-    }
-    // What no name explains changes the ratio too.
-    if let (Some([position, rotation]), None) = (subject.kind_spreads, &unknown) {
-        warnings.push(format!(
-            "the ratio of position noise to rotation noise is {} times the stated one; rows are weighted by the \
-             estimated noise",
-            three_digits(position / rotation)
-        ));
-    }
-    if subject.mechanism.parameters().iter().all(|p| p.tolerance.is_none()) {
-        warnings.push("the mechanism file states no [tolerance]; parameters are only kept finite".into());
-    }
     Ok(Diagnosis {
-        verdict,
-        causes,
-        unknown,
+        verdict: verdict(&causes, unknown.as_ref()),
         misread: None,
-        outlier_rows: rows,
+        outlier_rows: state.left_out.iter().map(|k| subject.data.sample(*k).row).collect(),
         residuals: joint_residuals(subject, state, &without, judged),
         noise_varies,
         correlation: state.correlation,
@@ -122,13 +60,90 @@ pub(crate) fn findings(
         noise_scale: judged.noise.variance().sqrt() * subject.kind_spreads.map_or(1.0, |[p, r]| (p * r).sqrt()),
         samples: subject.data.len(),
         joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
-        values,
-        own,
+        values: state.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect(),
+        own: state.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect(),
         effects,
         environment: (*subject.environment).clone(),
         frames: registration.frames,
-        warnings,
+        warnings: warnings(subject, registration, unknown.as_ref()),
+        causes,
+        unknown,
     })
+}
+
+/// What the tests together say.
+struct Conclusion {
+    causes: Vec<Cause>,
+    unknown: Option<Unknown>,
+    /// True if the names of the search do not hold.
+    withdrawn: bool,
+}
+
+/// Judges the names that the search found by what they leave.
+fn conclude(
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
+    model: &Model<'_>,
+    without: &Model<'_>,
+) -> Result<Conclusion, DiagnoseError> {
+    let known = covariates(subject.data);
+    let mut causes = causes(subject, state, model)?;
+    let mut unknown = remainder(model, &known).filter(|u| !is_rounding(state, without, model, u.leg));
+    let mut withdrawn = false;
+    if !state.names.is_empty() {
+        let worth = worth_of(without, &subject.groups, &state.names) - price_of_places(subject, &state.names);
+        if let Some(found) = rival(without, &known, worth, TIED) {
+            let names = causes.drain(..).map(|c| c.effect).collect();
+            unknown = Some(Unknown { withdrawn: names, ..found });
+            withdrawn = true;
+        }
+    }
+    if unknown.is_none() && patchwork(subject, &state.names) {
+        // Jumps and drifts stacked on each other describe anything that changes with time.
+        unknown = Some(Unknown {
+            covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
+            ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
+        });
+    }
+    if subject.data.noise.known && is_hopeless(subject, state, if withdrawn { without } else { model }) {
+        let names = causes.drain(..).map(|c| c.effect).collect();
+        withdrawn = true;
+        unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
+    }
+    Ok(Conclusion { causes, unknown, withdrawn })
+}
+
+fn verdict(causes: &[Cause], unknown: Option<&Unknown>) -> Verdict {
+    match unknown {
+        Some(_) => Verdict::Unknown,
+        None if causes.is_empty() => Verdict::Clean,
+        None if causes.iter().any(|c| !c.tied_with.is_empty()) => Verdict::Tied,
+        None => Verdict::Named,
+    }
+}
+
+/// What the user should know of frames, noise and tolerances.
+fn warnings(subject: &Hypotheses<'_>, registration: &Registration, unknown: Option<&Unknown>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if registration.applied {
+        warnings.push(
+            "the data are in a different frame from the mechanism file; causes act in the base frame of the file, and \
+             an extended model is written in that frame"
+                .into(),
+        );
+    }
+    // What no name explains changes the ratio too.
+    if let (Some([position, rotation]), None) = (subject.kind_spreads, unknown) {
+        warnings.push(format!(
+            "the ratio of position noise to rotation noise is {} times the stated one; rows are weighted by the \
+             estimated noise",
+            three_digits(position / rotation)
+        ));
+    }
+    if subject.mechanism.parameters().iter().all(|p| p.tolerance.is_none()) {
+        warnings.push("the mechanism file states no [tolerance]; parameters are only kept finite".into());
+    }
+    warnings
 }
 
 /// True if what is left at a joint is less than the digits that any file has.
@@ -165,106 +180,6 @@ fn price_of_places(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> f64 {
     names.iter().map(|name| (places(name) as f64).ln()).sum()
 }
 
-fn causes(subject: &Hypotheses<'_>, state: &SearchState, model: &Model<'_>) -> Result<Vec<Cause>, DiagnoseError> {
-    let step = model.step();
-    let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
-    let mut all = Vec::with_capacity(state.names.len());
-    let mut at = 0;
-    for (k, name) in state.names.iter().enumerate() {
-        let group = &subject.groups[name.group];
-        let p = group.parameters.len();
-        let values: Vec<f64> = step.rows(model.table.nuisance + at, p).iter().copied().collect();
-        let mut others = state.names.clone();
-        others.remove(k);
-        let without = state.model(subject, others.clone())?;
-        let scores = scores(&without, &subject.groups);
-        let tests = scores.iter().filter(|s| s.rank > 0).count();
-        let own = &scores[name.group];
-        let place = name.at(&subject.groups, &rows);
-        let variance = model.noise.variance() * state.fitting.inflation;
-        let sigma = model.noise.variance().sqrt();
-        let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
-        let lambda_limit = lambda(own.rank, tests, own.places);
-        let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
-        let parameter = |(i, spec): (usize, &EffectParameter)| CauseParameter {
-            name: spec.name.clone(),
-            value: values[i],
-            sigma: Some(covariance[(at + i, at + i)].max(0.0).sqrt()).filter(|s| *s < UNSEEN * spec.scale),
-            dimension: dimension(subject, spec.dimension, place.leg),
-            scale: spec.scale,
-        };
-        all.push(Cause {
-            effect: group.effect.name().into(),
-            cause: group.effect.cause().into(),
-            remedy: group.effect.remedy().into(),
-            acts_on: group.effect.acts_on(),
-            leg: place.leg,
-            row: place.row,
-            of: place.covariate,
-            parameters: group.parameters.iter().enumerate().map(parameter).collect(),
-            p_value: own.p_value,
-            evidence: own.evidence,
-            tied_with,
-            size_over_limit: size,
-            tentative: size < TENTATIVE,
-            added_variable: added_variable(state, &subject.groups, &without, name, &values, sigma),
-            plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
-        });
-        at += p;
-    }
-    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    Ok(all)
-}
-
-/// What a parameter measures at a leg: where joints differ, that of the joint of the leg and not of the first one.
-fn dimension(subject: &Hypotheses<'_>, stated: Dimension, leg: Option<usize>) -> Dimension {
-    let joints = subject.mechanism.joints();
-    match leg.and_then(|leg| joints.get(leg)) {
-        Some(joint) if stated == joints[0].dimension => joint.dimension,
-        _ => stated,
-    }
-}
-
-/// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
-/// one, unless one is a special case of the other.
-fn rivals(
-    subject: &Hypotheses<'_>,
-    without: &Model<'_>,
-    scores: &[Score],
-    name: &Hypothesis,
-    values: &[f64],
-    others: &[Hypothesis],
-    variance: f64,
-) -> Vec<Rival> {
-    let own = scores[name.group].evidence;
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
-    let mut tied: Vec<Rival> = Vec::new();
-    for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
-        let log_bayes_factor = own - s.evidence;
-        // What the data can hardly tell apart is not told apart by the sizes that are usual.
-        let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
-        if log_bayes_factor > reach {
-            continue;
-        }
-        let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
-        if log_bayes_factor <= TIED || separability < TOLD_APART {
-            let at = s.candidate.at(&subject.groups, &rows);
-            tied.push(Rival {
-                effect: subject.groups[s.candidate.group].effect.name().into(),
-                leg: at.leg,
-                row: at.row,
-                of: at.covariate,
-                values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
-                log_bayes_factor,
-                separability,
-            });
-        }
-    }
-    tied.sort_by(|a, b| a.log_bayes_factor.total_cmp(&b.log_bayes_factor));
-    tied
-}
-
 /// Effects that were not found with their limits, and those that these data cannot see.
 fn not_found(
     subject: &Hypotheses<'_>,
@@ -285,7 +200,7 @@ fn not_found(
             Some(limit) => found.push(limit),
             // What a named effect contains was looked for with it.
             None if limit(without, &subject.groups, k, tests).is_some() => {}
-            None => unseen.push(NotTestable::unchanging(group)),
+            None => unseen.push(group.unchanging()),
         }
     }
     (found, unseen)

@@ -1,9 +1,8 @@
 //! The result of a diagnosis. Text, JSON and charts are views of it.
 
-use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::effect::{ActiveEffect, ActsOn, Environment};
 use crate::identification::ErrorSummary;
-use crate::measurement::Frames;
+use crate::measurement::{DataRow, Frames};
 use crate::units::Dimension;
 
 /// One of five answers, always.
@@ -115,14 +114,49 @@ pub struct AddedVariable {
 /// Residual of one sample, measured minus predicted, as a change of each joint, SI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointResiduals {
-    /// 0-based data row.
-    pub row: usize,
+    /// The sample.
+    pub row: DataRow,
     /// True if the sample was left out as a gross error.
     pub left_out: bool,
     /// Beside the kinematic parameters alone.
     pub before: Vec<f64>,
     /// Beside the causes too.
     pub after: Vec<f64>,
+}
+
+/// A test that knows no cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UnknownTest {
+    /// A polynomial in a covariate, on one leg.
+    Smooth,
+    /// A step at one value of a covariate, on one leg.
+    Jump,
+    /// A sine in a covariate, on one leg.
+    Wave,
+    /// The variance along one leg against the others.
+    Scatter,
+    /// The length of the residual where the noise is known.
+    Size,
+    /// Jumps and drifts that are stacked on each other and only trace something that changes with time.
+    Patchwork,
+    /// Residuals far above the stated noise, as of another mechanism.
+    Misfit,
+}
+
+impl UnknownTest {
+    /// The word of the format.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Jump => "jump",
+            Self::Wave => "wave",
+            Self::Scatter => "scatter",
+            Self::Size => "size",
+            Self::Patchwork => "patchwork",
+            Self::Misfit => "misfit",
+        }
+    }
 }
 
 /// Something that no name explains.
@@ -133,7 +167,7 @@ pub struct Unknown {
     /// Where, leg from 0.
     pub leg: Option<usize>,
     /// Which test found it.
-    pub test: &'static str,
+    pub test: UnknownTest,
     /// Its probability by chance, all tests of its kind counted.
     pub p_value: f64,
     /// Period in the covariate, SI, if it repeats.
@@ -146,7 +180,7 @@ pub struct Unknown {
 
 impl Unknown {
     /// Found by a test, and depending on nothing.
-    pub(crate) fn by(test: &'static str, p_value: f64) -> Self {
+    pub(crate) fn by(test: UnknownTest, p_value: f64) -> Self {
         Self { covariate: None, leg: None, test, p_value, period: None, runner_up: None, withdrawn: Vec::new() }
     }
 }
@@ -218,19 +252,6 @@ pub struct NotTestable {
     pub missing: Vec<String>,
 }
 
-impl NotTestable {
-    /// An effect whose columns the data do not see, because what it depends on hardly changes.
-    pub(crate) fn unchanging(group: &EffectColumns) -> Self {
-        let covariates = group.effect.covariates(&group.places[0].at);
-        let what = match covariates.len() {
-            0 => "the covariate".into(),
-            1..=3 => covariates.join(", "),
-            _ => format!("{} and the others", covariates[0]),
-        };
-        Self { effect: group.effect.name().into(), missing: vec![format!("{what} to vary more than in these data")] }
-    }
-}
-
 /// The answer.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
@@ -243,8 +264,8 @@ pub struct Diagnosis {
     /// How the file should have been read.
     pub misread: Option<Misread>,
     /// Data rows that were left out as gross errors.
-    pub outlier_rows: Vec<usize>,
-    /// Residuals in the joints, sample by sample.
+    pub outlier_rows: Vec<DataRow>,
+    /// What is left in the joints, sample by sample.
     pub residuals: Vec<JointResiduals>,
     /// Noise that varies.
     pub noise_varies: Option<NoiseVaries>,

@@ -4,20 +4,20 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NotTestable;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::unit_joint::UnitJoint;
 use crate::effect::{
-    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Extended, Perturbation,
-    Scan, ScanPoint, Site, WithInstrumentEffects,
+    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Extended, Scan,
+    ScanPoint, WithInstrumentEffects,
 };
 use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
-use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, SolveError, least_squares};
-use crate::units::Dimension;
+use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, SolveError, least_squares, linearized};
 
 /// An effect that can be tested, with its columns at each place of its scan.
 #[derive(Clone, Debug)]
@@ -25,6 +25,22 @@ pub(crate) struct EffectColumns {
     pub(crate) effect: Arc<dyn Effect>,
     pub(crate) parameters: Vec<EffectParameter>,
     pub(crate) places: Vec<ScanSite>,
+}
+
+impl EffectColumns {
+    /// The effect as one whose columns the data do not see, because what it depends on hardly changes.
+    pub(crate) fn unchanging(&self) -> NotTestable {
+        let covariates = self.effect.covariates(&self.places[0].at);
+        let what = match covariates.len() {
+            0 => "the covariate".into(),
+            1..=3 => covariates.join(", "),
+            _ => format!("{} and the others", covariates[0]),
+        };
+        NotTestable {
+            effect: self.effect.name().into(),
+            missing: vec![format!("{what} to vary more than in these data")],
+        }
+    }
 }
 
 /// Columns of the table for one place of a scan. Where rows are scanned, those of row 0, of which each row cuts off the
@@ -65,34 +81,6 @@ pub(crate) struct Point {
     pub(crate) scale: f64,
 }
 
-/// A joint displaced by one unit, for tests of single legs.
-#[derive(Clone, Copy, Debug)]
-struct UnitJoint;
-
-impl Effect for UnitJoint {
-    fn name(&self) -> &str {
-        "unit"
-    }
-    fn cause(&self) -> &str {
-        ""
-    }
-    fn remedy(&self) -> &str {
-        ""
-    }
-    fn missing(&self, _: &EffectContext<'_>, _: &AvailableData) -> Vec<String> {
-        Vec::new()
-    }
-    fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
-        (0..context.joints()).map(|k| EffectParameter::new(k.to_string(), Dimension::None, 1.0)).collect()
-    }
-    fn covariates(&self, _: &ScanPoint) -> Vec<String> {
-        Vec::new()
-    }
-    fn perturb(&self, theta: &[f64], _: &ScanPoint, _: &Site<'_>, out: &mut Perturbation) {
-        out.joints.iter_mut().zip(theta).for_each(|(d, t)| *d += t);
-    }
-}
-
 impl<'a> Hypotheses<'a> {
     /// The effects of a catalogue that can be tested, and what the others miss.
     pub(crate) fn new(
@@ -115,16 +103,7 @@ impl<'a> Hypotheses<'a> {
                     continue;
                 }
                 let parameters = effect.parameters(&context);
-                let legs = || (0..context.joints()).map(ScanPoint::leg);
-                let scan = effect.scan(&context, &available);
-                let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
-                let points: Vec<ScanPoint> = match scan {
-                    Scan::None | Scan::Rows => vec![ScanPoint::none()],
-                    Scan::Legs | Scan::LegsAndRows => legs().collect(),
-                    Scan::Covariates(names) => {
-                        names.into_iter().map(|name| ScanPoint { covariate: Some(name), ..ScanPoint::none() }).collect()
-                    }
-                };
+                let (points, scans_rows) = scan_points(effect.as_ref(), &context, &available);
                 let place = |at: ScanPoint| {
                     let columns = next..next + parameters.len();
                     next = columns.end;
@@ -194,15 +173,9 @@ impl<'a> Hypotheses<'a> {
         let seen = WithInstrumentEffects::wrap(self.data, self.mechanism, &self.environment, &everything)?;
         let task = Task::new(&extended, &seen);
         let mut problem = CalibrationProblem::new(&task, None, 1.0)?;
-        let (m, n) = problem.shape();
-        let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
         let x = problem.start();
-        problem
-            .linearize(&x, &mut r, &mut j)
-            .map_err(|cause| IdentifyError::Solve(SolveError::Evaluation { iterations: 0, cause }))?;
-        if r.iter().chain(j.iter()).any(|v| !v.is_finite()) {
-            return Err(IdentifyError::Solve(SolveError::NotFinite { iterations: 0 }).into());
-        }
+        let (r, j) = linearized(&mut problem, &x).map_err(IdentifyError::Solve)?;
+        let m = r.len();
         // The columns of J: mechanism, effects on it, own parameters, effects on the measurement.
         let specs = self.mechanism.parameters().len();
         let first_own = extended.parameters().len();
@@ -262,6 +235,21 @@ impl<'a> Hypotheses<'a> {
         }
         Ok(fitted)
     }
+}
+
+/// The places of the scan of an effect that have columns of their own, and whether each is scanned over the rows.
+fn scan_points(effect: &dyn Effect, context: &EffectContext<'_>, available: &AvailableData) -> (Vec<ScanPoint>, bool) {
+    let legs = || (0..context.joints()).map(ScanPoint::leg);
+    let scan = effect.scan(context, available);
+    let scans_rows = matches!(scan, Scan::Rows | Scan::LegsAndRows);
+    let points = match scan {
+        Scan::None | Scan::Rows => vec![ScanPoint::none()],
+        Scan::Legs | Scan::LegsAndRows => legs().collect(),
+        Scan::Covariates(names) => {
+            names.into_iter().map(|name| ScanPoint { covariate: Some(name), ..ScanPoint::none() }).collect()
+        }
+    };
+    (points, scans_rows)
 }
 
 /// Where the values of each effect stand among the unknowns of an identification: those on the mechanism behind its

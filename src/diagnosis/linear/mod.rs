@@ -8,3 +8,4 @@ pub(crate) mod joint_functions;
 pub(crate) mod model;
 pub(crate) mod score_test;
 pub(crate) mod statistics;
+pub(crate) mod unit_joint;

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{NotFound, NotTestable};
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
-use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
+use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
-use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
@@ -27,7 +28,7 @@ pub fn planned(
     let pose = |(k, s): (usize, &Sample)| {
         mechanism
             .forward(mechanism.values(), &s.joints, &s.conditions, &mechanism.home())
-            .map_err(|cause| IdentifyError::Sample { row: k, label: String::new(), cause })
+            .map_err(|cause| IdentifyError::Sample { row: DataRow(k), label: String::new(), cause })
     };
     let poses: Vec<Pose> = samples.iter().enumerate().map(pose).collect::<Result<_, _>>()?;
     let (p, r) = (noise.position, noise.rotation);
@@ -53,7 +54,7 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
     for (k, group) in subject.groups.iter().enumerate() {
         match limit(&model, &subject.groups, k, subject.groups.len()) {
             Some(found) => limits.push(found),
-            None => missing.push(NotTestable::unchanging(group)),
+            None => missing.push(group.unchanging()),
         }
     }
     Ok((limits, missing))

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 
 use crate::conditions::Conditions;
-use crate::diagnosis::Question;
 use crate::diagnosis::answer::result::Diagnosis;
+use crate::diagnosis::question::Question;
 use crate::effect::{ScanPoint, effect};
-use crate::measurement::Sample;
+use crate::measurement::{DataRow, Sample};
 use crate::mechanism::Mechanism;
 
 /// Samples that a plan adds.
@@ -40,11 +40,11 @@ pub(crate) fn scenarios(
                 run.part = 1.05 + 0.01 * k as f64;
             }
             change(k, &mut conditions);
-            Sample { id: None, row: n + k, joints: s.joints.clone(), conditions }
+            Sample { id: None, row: DataRow(n + k), joints: s.joints.clone(), conditions }
         };
         chosen.iter().enumerate().map(make).collect()
     };
-    let mut all: Vec<(String, Vec<Sample>)> = vec![("nothing more: the present data only".into(), Vec::new())];
+    let mut all: Vec<(String, Vec<Sample>)> = vec![("nothing more: the present data only only".into(), Vec::new())];
     let same = plan(&|k, c| {
         let time = c.get("time");
         c.covariates.clone_from(&chosen[k].conditions.covariates);

@@ -8,18 +8,16 @@
 use std::sync::Arc;
 
 use crate::diagnosis::answer::result::{Cause, Diagnosis};
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, ScanSite};
 use crate::diagnosis::linear::model::Hypothesis;
 use crate::diagnosis::planning::design::{model_of, planned, table_of};
 use crate::diagnosis::planning::scenarios::scenarios;
-use crate::diagnosis::search::stepwise::{related, separability};
-use crate::diagnosis::{DiagnoseError, Question, TOLERANCES};
+use crate::diagnosis::question::{Question, TOLERANCES};
+use crate::diagnosis::search::stepwise::{TOLD_APART, related, separability};
 use crate::identification::Prior;
 use crate::measurement::{Dataset, Noise, RowKind, Sample};
 use crate::mechanism::Mechanism;
-
-/// Separability at which two names are told apart.
-pub const TOLD_APART: f64 = 10.0;
 
 /// How well a plan tells one name from another.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,6 +144,6 @@ fn candidate(
     let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
     let is_it = |p: &ScanSite| p.at.leg == leg && p.at.covariate.as_ref() == of;
     let place = subject.groups[group].places.iter().position(is_it)?;
-    let from = row.and_then(|row| subject.data.iter().position(|s| s.row >= row));
+    let from = row.and_then(|row| subject.data.iter().position(|s| s.row.0 >= row));
     Some(Hypothesis { group, place, from })
 }

@@ -49,7 +49,7 @@ pub(crate) fn covariates(data: &Dataset) -> Vec<Covariate> {
         add("temp_legs".into(), None, false, &|k| data.sample(k).conditions.leg_temperature());
     }
     if !names.iter().any(|n| *n == "time") {
-        add("row".into(), None, true, &|k| Some(data.sample(k).row as f64));
+        add("row".into(), None, true, &|k| Some(data.sample(k).row.0 as f64));
     }
     for leg in 0..first.joints.len() {
         add(format!("length_leg{}", leg + 1), Some(leg), true, &|k| data.sample(k).joints.get(leg).copied());

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use crate::diagnosis::DiagnoseError;
 use crate::diagnosis::answer::result::NoiseVaries;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
@@ -15,6 +15,7 @@ use crate::diagnosis::search::noise;
 use crate::diagnosis::search::outliers::{distances, outliers, suspicious};
 use crate::diagnosis::search::stepwise::Stepwise;
 use crate::effect::ActiveEffect;
+use crate::measurement::DataRow;
 
 /// Times that the columns are computed anew.
 const ROUNDS: usize = 3;
@@ -210,7 +211,7 @@ impl Search<'_> {
     /// The names of a model with their values.
     fn effects(&self, model: &Model<'_>) -> Vec<ActiveEffect> {
         let step = model.step();
-        let rows: Vec<usize> = self.subject.data.iter().map(|s| s.row).collect();
+        let rows: Vec<DataRow> = self.subject.data.iter().map(|s| s.row).collect();
         let mut at = model.table.nuisance;
         let mut effects = Vec::with_capacity(model.candidates.len());
         for name in &model.candidates {

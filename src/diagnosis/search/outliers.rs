@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::ChiSquared;
 
-use crate::diagnosis::DiagnoseError;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::diagnosis::answer::result::Unknown;
+use crate::diagnosis::answer::result::{Unknown, UnknownTest};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::model::{Hypothesis, Model};
 use crate::diagnosis::linear::statistics::upper_f;
@@ -42,13 +42,13 @@ pub(crate) struct Finding {
     /// Half the change of BIC: what it gains over its price, nats.
     worth: f64,
     period: Option<f64>,
-    test: &'static str,
+    test: UnknownTest,
 }
 
 impl Finding {
     /// What a test of a covariate at a leg found: a gain from `rank` columns, at the price of so many parameters.
     fn of(
-        test: &'static str,
+        test: UnknownTest,
         model: &Model<'_>,
         (covariate, leg): (&Covariate, usize),
         (gain, rank): (f64, usize),
@@ -107,7 +107,7 @@ pub(crate) fn smooths(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Findin
         for (m, covariate) in mine.iter().enumerate() {
             let (gain, rank) = asked.ask(DEGREE * m..DEGREE * (m + 1)).gain();
             if rank > 0 {
-                found.push(Finding::of("smooth", model, (covariate, leg), (gain, rank), rank as f64));
+                found.push(Finding::of(UnknownTest::Smooth, model, (covariate, leg), (gain, rank), rank as f64));
             }
         }
     }
@@ -129,7 +129,7 @@ pub(crate) fn jumps(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
                     continue;
                 }
                 if let Some(gain) = gain {
-                    let jump = Finding::of("jump", model, (covariate, leg), (gain, 1), 1.0);
+                    let jump = Finding::of(UnknownTest::Jump, model, (covariate, leg), (gain, 1), 1.0);
                     // The place is chosen among all samples.
                     found.push(Finding { worth: jump.worth - (samples as f64).ln(), ..jump });
                 }
@@ -165,7 +165,7 @@ pub(crate) fn waves(model: &Model<'_>, covariates: &[Covariate]) -> Vec<Finding>
                 let (gain, rank) = asked.ask(2 * k..2 * k + 2).gain();
                 if rank > 0 {
                     // Sine, cosine and the period.
-                    let wave = Finding::of("wave", model, (covariate, leg), (gain, rank), 3.0);
+                    let wave = Finding::of(UnknownTest::Wave, model, (covariate, leg), (gain, rank), 3.0);
                     found.push(Finding { period: Some((high - low) / cycles(k)), ..wave });
                 }
             }
@@ -227,12 +227,12 @@ pub(crate) fn remainder(model: &Model<'_>, covariates: &[Covariate]) -> Option<U
         return Some(Unknown { runner_up: other.map(|f| f.covariate.clone()), ..best.unknown() });
     }
     if let Some((leg, p)) = scatter {
-        return Some(Unknown { leg: Some(leg), ..Unknown::by("scatter", p * scattered.len() as f64) });
+        return Some(Unknown { leg: Some(leg), ..Unknown::by(UnknownTest::Scatter, p * scattered.len() as f64) });
     }
     if model.noise.known {
         let p = ChiSquared::new(model.noise.dof).map_or(1.0, |d| d.sf(model.noise.rss));
         if p < SIZE {
-            return Some(Unknown::by("size", p));
+            return Some(Unknown::by(UnknownTest::Size, p));
         }
     }
     None

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::DiagnoseError;
+use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
@@ -11,6 +11,8 @@ use crate::solve::svd;
 
 /// Family-wise level of the catalogue.
 pub(crate) const LEVEL: f64 = 0.004;
+/// Separability at which two names are told apart.
+pub const TOLD_APART: f64 = 10.0;
 /// Rivals within this many nats are ties: a factor of 20.
 pub(crate) const TIED: f64 = 2.995_732_273_553_991;
 /// Evidence, nats, that a further name needs.

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use crate::conditions::Conditions;
 use crate::effect::{
     ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, Environment, Extended, Scan, ScanPoint, catalogue,
-    effect, effects_of, without_effects,
+    effect, effects_of,
 };
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
-use crate::files::mechanism::entries::EffectEntry;
-use crate::files::mechanism::read::Reader;
+use crate::files::mechanism::reader::Reader;
+use crate::files::mechanism::sections::EffectEntry;
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};
 
@@ -185,15 +185,16 @@ fn about(r: &Reader<'_>, place: &str, trouble: Trouble) -> FileError {
 }
 
 impl Machine {
-    /// The mechanism without the effects of its file.
-    pub fn plain(&self) -> &dyn Mechanism {
-        without_effects(self.mechanism.as_ref())
-    }
-
     /// The effects of its file that act on the measurement and not on the mechanism. Data that are read are seen through
     /// them.
     pub fn instrument(&self) -> &[ActiveEffect] {
         &self.instrument
+    }
+
+    /// The same with the values that were identified: the last of the parameters `own` of the data.
+    pub fn instrument_with(&self, own: &[f64]) -> Vec<ActiveEffect> {
+        let count: usize = self.instrument.iter().map(|e| e.values.len()).sum();
+        ActiveEffect::with_values(&self.instrument, own[own.len().saturating_sub(count)..].iter().copied())
     }
 
     /// All effects of its file: those on the mechanism, then those on the measurement.
@@ -206,7 +207,7 @@ impl Machine {
     /// # Errors
     /// [`FileError::Value`] for what a mechanism file with this entry would be refused for.
     pub fn effect(&self, entry: &EffectEntry, place: &str) -> Result<ActiveEffect, FileError> {
-        let r = Reader { path: &self.path, length: self.length_unit, angle: self.angle_unit };
+        let r = Reader { path: &self.path, units: self.units() };
         active(entry, &EffectContext::new(self.plain(), &self.environment)).map_err(|t| about(&r, place, t))
     }
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crate::effect::{Environment, Sensor};
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
-use crate::files::mechanism::entries::SensorEntry;
-use crate::files::mechanism::read::Reader;
+use crate::files::mechanism::reader::Reader;
+use crate::files::mechanism::sections::SensorEntry;
 use crate::mechanism::Body;
 use crate::units::{Dimension, Unit};
 
@@ -32,7 +32,7 @@ pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Resul
         mass: mass.map(|v| r.known("[platform] mass_kg", v)).transpose()?,
         centre_of_mass: point("[platform] centre_of_mass", platform.and_then(|p| p.centre_of_mass))?,
         payload_centre: point("[platform] payload_centre", platform.and_then(|p| p.payload_centre))?,
-        screw_pitch: pitch.map(|v| Ok(r.length.to_si(r.known("[actuator] screw_pitch", v)?))).transpose()?,
+        screw_pitch: pitch.map(|v| Ok(r.units.length.to_si(r.known("[actuator] screw_pitch", v)?))).transpose()?,
         sensors,
         home_joints: None,
     })

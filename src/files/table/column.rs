@@ -15,14 +15,10 @@ pub(crate) enum Meaning {
     Pose(usize),
     /// Component w x y z of the measured rotation.
     Quaternion(usize),
-    /// Coordinate of a target, by name and axis.
-    Target(String, usize),
     /// 1σ of a coordinate of the measured pose.
     Sigma(usize),
-    /// Height of the tip over the plane.
-    Contact,
-    /// 1σ of such a height.
-    SigmaContact,
+    /// What a kind of reading other than the pose measures.
+    Reading(ReadingColumn),
     /// Coordinate of the commanded pose.
     Commanded(usize),
     /// Clock time.
@@ -30,6 +26,22 @@ pub(crate) enum Meaning {
     /// Anything else that is a number, by name without unit.
     Covariate(String),
 }
+
+/// A column of a kind of reading.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReadingColumn {
+    /// The name of the kind.
+    pub(crate) kind: &'static str,
+    /// What is measured: the name of a target.
+    pub(crate) quantity: String,
+    /// Which coordinate of it.
+    pub(crate) axis: usize,
+    /// True for its 1σ.
+    pub(crate) sigma: bool,
+}
+
+/// What names of columns mean to the kinds of reading, with the dimension of their numbers.
+pub(crate) type ReadingNames<'a> = &'a dyn Fn(&str) -> Option<(ReadingColumn, Dimension)>;
 
 /// A column with the unit that its name states.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +68,7 @@ pub(crate) fn column(
     name: &str,
     header: &[String],
     mechanism: &dyn Mechanism,
-    targets: &[String],
+    readings: ReadingNames<'_>,
     joints: &[JointColumn],
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
@@ -74,14 +86,8 @@ pub(crate) fn column(
         Some(unit) => Err(format!("'{}' is not a unit for it; use one of {}", unit.name, dimension.choices())),
         None => Err(missing_unit(name, base, dimension)),
     };
-    if name == "id" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Id, unit: None, joint: None });
-    }
-    if name == "time_utc" {
-        return Ok(Column { name: name.into(), meaning: Meaning::Clock, unit: None, joint: None });
-    }
-    if let Some(k) = ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name) {
-        return Ok(Column { name: name.into(), meaning: Meaning::Quaternion(k), unit: None, joint: None });
+    if let Some(meaning) = whole_name(name) {
+        return Ok(Column { name: name.into(), meaning, unit: None, joint: None });
     }
     // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
     // `leg1_mm`, though, `leg1_load` is one.
@@ -101,14 +107,8 @@ pub(crate) fn column(
         if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
             return with(Meaning::Commanded(k), pose_dimension(k));
         }
-        if candidate == "contact" {
-            return with(Meaning::Contact, Dimension::Length);
-        }
-        if candidate == "sigma_contact" {
-            return with(Meaning::SigmaContact, Dimension::Length);
-        }
-        if let Some((target, axis)) = target(candidate, targets) {
-            return with(Meaning::Target(target, axis), Dimension::Length);
+        if let Some((reading, dimension)) = readings(candidate) {
+            return with(Meaning::Reading(reading), dimension);
         }
         if candidate.starts_with("temp_") {
             return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
@@ -122,24 +122,37 @@ pub(crate) fn column(
             return Ok(Column { joint: Some(joint.clone()), ..column });
         }
     }
-    if leg_number(base).is_some() {
-        let legs = mechanism.joints().len();
-        if mechanism.joints().iter().all(|j| leg_number(&j.name).is_none()) {
-            let joints: Vec<&str> = mechanism.joints().iter().map(|j| j.name.as_str()).collect();
-            let joints = joints.join(", ");
-            return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
-        }
-        return Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"));
-    }
+    check_leg(base, mechanism.joints())?;
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, targets, joints);
+        let known = column(&small, &[], mechanism, readings, joints);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are lower case; did you mean '{small}'?"));
         }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
+}
+
+/// What a name means that ends in no unit.
+fn whole_name(name: &str) -> Option<Meaning> {
+    match name {
+        "id" => Some(Meaning::Id),
+        "time_utc" => Some(Meaning::Clock),
+        _ => ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name).map(Meaning::Quaternion),
+    }
+}
+
+/// Refuses the name of a leg that the mechanism does not have.
+fn check_leg(base: &str, joints: &[JointSpec]) -> Result<(), String> {
+    if leg_number(base).is_none() {
+        return Ok(());
+    }
+    if joints.iter().all(|j| leg_number(&j.name).is_none()) {
+        let joints = joints.iter().map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(format!("the mechanism has no legs; its joints are {joints}; rename or delete the column"));
+    }
+    Err(format!("the mechanism has legs 1 to {}; correct the number or delete the column", joints.len()))
 }
 
 fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {

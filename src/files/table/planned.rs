@@ -11,10 +11,11 @@ use crate::conditions::Conditions;
 use crate::effect::EffectContext;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
+use crate::files::readings::reading_columns;
 use crate::files::table::column::Meaning;
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
-use crate::measurement::Sample;
+use crate::measurement::{DataRow, Sample};
 use crate::mechanism::{Body, KinematicsError};
 use crate::pose::Pose;
 
@@ -34,7 +35,7 @@ pub struct PlannedConditions {
 /// [`FileError`] naming row, column and what to do.
 pub fn read_conditions(path: impl AsRef<Path>, machine: &Machine) -> Result<PlannedConditions, FileError> {
     let path = path.as_ref();
-    let table = Table::read(path, machine, &[])?;
+    let table = Table::read(path, machine, &reading_columns(None))?;
     let States { states, ignored, warnings } = States::read(&table, machine)?;
     let is_condition =
         |k: &usize| matches!(table.columns[*k].meaning, Meaning::Covariate(_) | Meaning::Clock) && !ignored.contains(k);
@@ -134,7 +135,7 @@ impl Machine {
             }
         }
         Conditions::put_in_run(&mut states, joints.clone(), self.environment().home_joints.as_deref());
-        let sample = |(row, (joints, conditions))| Sample { id: None, row, joints, conditions };
+        let sample = |(row, (joints, conditions))| Sample { id: None, row: DataRow(row), joints, conditions };
         Ok(joints.into_iter().zip(states).enumerate().map(sample).collect())
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
+use crate::files::readings::reading_columns;
 use crate::files::table::column::{Meaning, POSE_NAMES, pose_dimension};
 use crate::files::table::states::States;
 use crate::files::table::text_table::{Table, no_data_row, read_cells};
@@ -50,7 +51,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
 /// As [`read_poses`].
 pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseList, FileError> {
     let path = path.as_ref();
-    let table = Table::read(path, machine, &[])?;
+    let table = Table::read(path, machine, &reading_columns(None))?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };
@@ -106,8 +107,6 @@ pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseL
 pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) -> Result<Vec<f64>, FileError> {
     let path = path.as_ref();
     let (header, rows) = read_cells(path)?;
-    let column_error =
-        |column: &str, problem: String| FileError::Column { path: path.into(), column: column.into(), problem };
     let leg_column = header.iter().position(|h| h == "leg").ok_or_else(|| FileError::Header {
         path: path.into(),
         problem: "parameter errors need a column 'leg'".into(),
@@ -117,36 +116,10 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
     let of_leg = |stem: &str, leg: usize| specs.iter().position(|s| is_called(s, stem, leg));
     let mut errors = vec![0.0; specs.len()];
     let mut listed = vec![false; legs];
-    let mut units = Vec::new();
     if rows.is_empty() {
         return Err(no_data_row(path));
     }
-    for (k, name) in header.iter().enumerate() {
-        let stem = |text: &str| text.rsplit_once('_').map_or(text, |(stem, _)| stem).to_owned();
-        if let Some(other) = header[..k].iter().find(|other| stem(other) == stem(name)) {
-            return Err(column_error(name, format!("means the same as column '{other}'; keep one of them")));
-        }
-        if name == "leg" {
-            units.push(None);
-            continue;
-        }
-        let with_unit = name.rsplit_once('_').unwrap_or((name, ""));
-        // A parameter without dimension has a name without unit.
-        let find = |stem: &str| (0..legs).find_map(|leg| of_leg(stem, leg)).map(|k| specs[k].dimension);
-        let (stem, dimension) = match (find(name), find(with_unit.0)) {
-            (Some(Dimension::None), _) => (name.as_str(), Dimension::None),
-            (_, Some(dimension)) => (with_unit.0, dimension),
-            _ => {
-                let known = stems(specs).join(" ");
-                return Err(column_error(name, format!("is not a parameter of a leg; use {known} with a unit")));
-            }
-        };
-        let unit = match dimension {
-            Dimension::None => Unit::si(dimension),
-            _ => Unit::of(dimension, with_unit.1).map_err(|e| column_error(name, e.to_string()))?,
-        };
-        units.push(Some((stem.to_owned(), unit)));
-    }
+    let columns = error_columns(path, &header, specs, legs)?;
     for (row, (line, cells)) in rows.iter().enumerate() {
         let cell_error = |k: usize, problem: &str| FileError::Cell {
             path: path.into(),
@@ -164,8 +137,8 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
         if std::mem::replace(&mut listed[leg - 1], true) {
             return Err(cell_error(leg_column, "appears twice; keep one row for each leg"));
         }
-        for (k, unit) in units.iter().enumerate() {
-            let Some((stem, unit)) = unit else { continue };
+        for (k, column) in columns.iter().enumerate() {
+            let Some((stem, unit)) = column else { continue };
             let value: f64 =
                 cells[k].parse().map_err(|_| cell_error(k, "is not a number; write 0 if there is no error"))?;
             if !value.is_finite() {
@@ -179,6 +152,46 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
         }
     }
     Ok(errors)
+}
+
+/// Parameter (without the number of its leg) and unit of each column, `None` for that of the legs.
+fn error_columns(
+    path: &Path,
+    header: &[String],
+    specs: &[ParameterSpec],
+    legs: usize,
+) -> Result<Vec<Option<(String, Unit)>>, FileError> {
+    let column_error =
+        |column: &str, problem: String| FileError::Column { path: path.into(), column: column.into(), problem };
+    let mut units = Vec::with_capacity(header.len());
+    for (k, name) in header.iter().enumerate() {
+        let stem = |text: &str| text.rsplit_once('_').map_or(text, |(stem, _)| stem).to_owned();
+        if let Some(other) = header[..k].iter().find(|other| stem(other) == stem(name)) {
+            return Err(column_error(name, format!("means the same as column '{other}'; keep one of them")));
+        }
+        if name == "leg" {
+            units.push(None);
+            continue;
+        }
+        let with_unit = name.rsplit_once('_').unwrap_or((name, ""));
+        // A parameter without dimension has a name without unit.
+        let find =
+            |stem: &str| (0..legs).find_map(|leg| specs.iter().find(|s| is_called(s, stem, leg))).map(|s| s.dimension);
+        let (stem, dimension) = match (find(name), find(with_unit.0)) {
+            (Some(Dimension::None), _) => (name.as_str(), Dimension::None),
+            (_, Some(dimension)) => (with_unit.0, dimension),
+            _ => {
+                let known = stems(specs).join(" ");
+                return Err(column_error(name, format!("is not a parameter of a leg; use {known} with a unit")));
+            }
+        };
+        let unit = match dimension {
+            Dimension::None => Unit::si(dimension),
+            _ => Unit::of(dimension, with_unit.1).map_err(|e| column_error(name, e.to_string()))?,
+        };
+        units.push(Some((stem.to_owned(), unit)));
+    }
+    Ok(units)
 }
 
 /// True for the parameter of a leg (from 0) whose name without the number of the leg is `stem`.

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
-use crate::files::mechanism::document::GravityAxis;
+use crate::files::mechanism::sections::GravityAxis;
 use crate::files::table::column::Meaning;
 use crate::files::table::text_table::Table;
 use crate::files::table::time::{is_dateless, parse_time};

@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use super::bodies::Bodies;
 use super::closures::{Closure, Frame, Motion};
-use super::finding::{FindingKind as K, Findings};
-use super::model::{Bodies, Edge, Model};
+use super::findings::Findings;
+use super::model::{Edge, Model};
+use crate::files::finding::FindingKind as K;
 
 /// Adds the closures to the model, the preferred sources first. What closes one pair of bodies twice must agree.
 pub(super) fn add_closures(

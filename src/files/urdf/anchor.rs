@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use super::closures::{Frame, Motion};
-use super::finding::FindingKind as K;
+use crate::files::finding::FindingKind as K;
 use crate::solve::symmetric_eigen;
 
 /// One end of a leg: the constraints that its joints put on the anchor, in the frame of the leg.

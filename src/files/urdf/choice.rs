@@ -1,8 +1,10 @@
 //! The links whose frames are those of base and platform, and whether their names agree with their place in the tree.
 
+use super::bodies::Bodies;
 use super::closures::Motion;
-use super::finding::{FindingKind as K, Findings};
-use super::model::{Bodies, Model};
+use super::findings::Findings;
+use super::model::Model;
+use crate::files::finding::FindingKind as K;
 
 /// How links of the base and of the platform are usually called, by their first letters.
 const BASE: [&str; 1] = ["base"];

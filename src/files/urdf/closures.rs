@@ -12,9 +12,10 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::description::{Turn, known_attributes, number_list, numbers, origin};
-use super::finding::{FindingKind as K, Findings};
+use super::attributes::{Turn, known_attributes, number_list, numbers, origin};
+use super::findings::Findings;
 use super::xml::Element;
+use crate::files::finding::FindingKind as K;
 
 /// Pose of one frame in another.
 pub(super) type Frame = Isometry3<f64>;

@@ -4,9 +4,11 @@
 //! line numbers and passes over every tag that closes a loop. So this pass keeps names, frames, axes and slide
 //! limits, checks every number, collects the closures, and hands the rest to `urdf-rs` in the form it accepts.
 
+use super::attributes::{Turn, known_attributes, limits, numbers, origin};
 use super::closures::{Closure, inline};
-use super::finding::{FindingKind as K, Findings, did_you_mean};
+use super::findings::Findings;
 use super::xml::Element;
+use crate::files::finding::FindingKind as K;
 
 /// Most links, and most joints.
 const MAX_PARTS: usize = 5_000;
@@ -16,13 +18,6 @@ const MAX_PARTS: usize = 5_000;
 pub(super) struct LinkNote {
     pub(super) name: String,
     pub(super) line: usize,
-}
-
-/// Orientation as the file writes it.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Turn {
-    Rpy([f64; 3]),
-    Quaternion([f64; 4]),
 }
 
 /// A joint as it is written, in numbers.
@@ -234,104 +229,4 @@ fn name_of(element: &Element, what: &str, findings: &mut Findings) -> Option<Str
         findings.add(K::MissingPart, "", element.line, format!("a <{what}> without a name; give it one"));
     }
     name.map(str::to_owned)
-}
-
-/// Position and orientation of an `<origin>`, or of any element with `xyz` and `rpy`; zero where it states none.
-pub(super) fn origin(element: Option<&Element>, what: &str, findings: &mut Findings) -> Option<([f64; 3], Turn)> {
-    let element = element?;
-    known_attributes(element, &["xyz", "rpy", "quat_xyzw", "link"], &format!("{what} origin"), findings);
-    let xyz = numbers(element, "xyz", &format!("{what} origin"), findings)?.unwrap_or([0.0; 3]);
-    let rpy = numbers(element, "rpy", &format!("{what} origin"), findings)?;
-    let turn = match (rpy, numbers(element, "quat_xyzw", &format!("{what} origin"), findings)?) {
-        (None, Some(q)) => {
-            if !(q.iter().map(|v| v * v).sum::<f64>() > 0.0) {
-                let text = format!("{what} origin: quat_xyzw is zero; state a rotation");
-                findings.add(K::BadNumber, what, element.line, text);
-            }
-            Turn::Quaternion(q)
-        }
-        (Some(_), Some(_)) => {
-            let text = format!("{what} origin states both rpy and quat_xyzw; keep one of them");
-            findings.add(K::BadNumber, what, element.line, text);
-            return None;
-        }
-        (rpy, None) => Turn::Rpy(rpy.unwrap_or([0.0; 3])),
-    };
-    Some((xyz, turn))
-}
-
-/// Reports the attributes of an element that are none of `known`, and so state nothing.
-pub(super) fn known_attributes(element: &Element, known: &[&str], what: &str, findings: &mut Findings) {
-    let of_others = |name: &str| name.contains(':') || name == "xmlns";
-    for (name, _) in element.attributes.iter().filter(|(n, _)| !known.contains(&n.as_str()) && !of_others(n)) {
-        let hint = did_you_mean(name, known.iter().copied());
-        let text = format!(
-            "{what}: attribute '{}' of <{}> is not read{hint}; the attributes are {}",
-            shown(name),
-            element.name,
-            known.iter().filter(|k| **k != "link").copied().collect::<Vec<_>>().join(", ")
-        );
-        let joint = what.split('\'').nth(1).unwrap_or_default();
-        findings.add(K::UnknownAttribute, joint, element.line, text);
-    }
-}
-
-/// The limits of a slide; an end that is not stated is zero, as URDF has it.
-fn limits(limit: &Element, what: &str, findings: &mut Findings) -> Option<[f64; 2]> {
-    let mut end = |key: &str| {
-        let Some(text) = limit.attribute(key) else { return Some(0.0) };
-        match text.trim().parse::<f64>() {
-            // An endless slide is one without limits.
-            Ok(v) if v.is_infinite() => None,
-            _ => number_list::<1>(text, limit.line, &format!("{what} limit {key}"), findings).map(|[v]| v),
-        }
-    };
-    let ends = (end("lower"), end("upper"));
-    if limit.attribute("lower").is_none() && limit.attribute("upper").is_none() {
-        return None;
-    }
-    Some([ends.0?, ends.1?])
-}
-
-/// The numbers of an attribute; `Some(None)` if it is absent, `None` if it is wrong, which is then reported.
-pub(super) fn numbers<const N: usize>(
-    element: &Element,
-    attribute: &str,
-    what: &str,
-    findings: &mut Findings,
-) -> Option<Option<[f64; N]>> {
-    match element.attribute(attribute) {
-        None => Some(None),
-        Some(text) => {
-            number_list(text, element.line, &format!("{what} {attribute}=\"{}\"", shown(text)), findings).map(Some)
-        }
-    }
-}
-
-/// Exactly `N` finite numbers; anything else is reported about `what`.
-pub(super) fn number_list<const N: usize>(
-    text: &str,
-    line: usize,
-    what: &str,
-    findings: &mut Findings,
-) -> Option<[f64; N]> {
-    let element = what.split('\'').nth(1).unwrap_or_default();
-    let values: Option<Vec<f64>> = text.split_whitespace().take(N + 1).map(|t| t.parse().ok()).collect();
-    let Some(values) = values.and_then(|v| <[f64; N]>::try_from(v).ok()) else {
-        let text = format!("{what} must be {N} numbers separated by spaces; correct it");
-        findings.add(K::BadNumber, element, line, text);
-        return None;
-    };
-    // Squares of such numbers are no numbers any more.
-    if values.iter().any(|v| !(v.abs() < 1e100)) {
-        let text = format!("{what} holds a number that is not finite; write the actual number");
-        findings.add(K::NotFinite, element, line, text);
-        return None;
-    }
-    Some(values)
-}
-
-/// At most a short piece of a text.
-fn shown(text: &str) -> String {
-    if text.chars().count() <= 80 { text.into() } else { text.chars().take(77).chain("...".chars()).collect() }
 }

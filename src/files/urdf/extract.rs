@@ -2,59 +2,24 @@
 
 use std::collections::{HashMap, HashSet};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::agree::{add_closures, size};
+use super::bodies::Bodies;
 use super::choice::Choice;
 use super::closures::Motion;
 use super::description::Description;
-use super::finding::{FindingKind as K, Findings, did_you_mean};
+use super::findings::{Findings, did_you_mean};
+use super::found::{Found, FoundLeg};
 use super::graph::Graph;
 use super::home::Assembly;
 use super::leg::{Allowed, Measured, measure};
-use super::model::{Bodies, Model};
-use super::options::HomeJoint;
-use super::pairs::{Pair, closing_frames};
+use super::model::Model;
+use super::pairs::closing_frames;
+use super::settings::Settings;
+use crate::files::finding::FindingKind as K;
 use crate::pose::Pose;
 use crate::units::Dimension;
-
-/// All that is stated beside the file, by the call and by side files.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Settings {
-    pub(super) pairs: Vec<Pair>,
-    pub(super) base_link: Option<String>,
-    pub(super) platform_link: Option<String>,
-    pub(super) home: Vec<HomeJoint>,
-    pub(super) tolerance: Option<f64>,
-    /// The joints that are driven; all slides if empty.
-    pub(super) motors: Vec<String>,
-    /// Types given to joints that URDF cannot name.
-    pub(super) motions: HashMap<String, Motion>,
-    /// True if the side file states ranges of the lengths, or that there are none.
-    pub(super) strokes_stated: bool,
-    /// True if the side file states the home pose.
-    pub(super) home_stated: bool,
-}
-
-/// A leg, SI.
-#[derive(Clone, Debug)]
-pub(super) struct FoundLeg {
-    pub(super) joint: String,
-    pub(super) reversed: bool,
-    pub(super) platform: Vector3<f64>,
-    pub(super) base: Vector3<f64>,
-    /// Length at joint coordinate zero.
-    pub(super) length: f64,
-    pub(super) range: Option<[f64; 2]>,
-}
-
-/// What a robot is made of, for this program.
-#[derive(Clone, Debug)]
-pub(super) struct Found {
-    pub(super) legs: Vec<FoundLeg>,
-    /// `None` where neither joints nor lengths say it.
-    pub(super) home: Option<Pose>,
-}
 
 /// Finds the legs of a robot; `None` if something is wrong, which is then reported.
 pub(super) fn extract(description: &Description, settings: &Settings, findings: &mut Findings) -> Option<Found> {
@@ -64,25 +29,9 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
         return None;
     }
     let values = home_values(&model, settings, findings);
-    for name in settings.motors.iter().chain(settings.motions.keys()) {
-        if !model.edges.iter().any(|e| e.name == *name) {
-            let hint = did_you_mean(name, model.edges.iter().map(|e| e.name.as_str()));
-            let text = format!("the side file names the joint '{name}', which does not exist{hint}");
-            findings.add(K::UnknownJoint, name, None, text);
-        }
-    }
-    let named = |name: &Option<String>, model: &Model, what: &str, findings: &mut Findings| {
-        let name = name.as_ref()?;
-        let link = model.link(name);
-        if link.is_none() {
-            let hint = did_you_mean(name, model.links.iter().map(String::as_str));
-            let text = format!("'{name}', named as the {what} link, does not exist{hint}");
-            findings.add(K::UnknownLink, name, None, text);
-        }
-        link
-    };
-    let base_link = named(&settings.base_link, &model, "base", findings);
-    let platform_link = named(&settings.platform_link, &model, "platform", findings);
+    check_joints(&model, settings, findings);
+    let base_link = named_link(&model, settings.base_link.as_deref(), "base", findings);
+    let platform_link = named_link(&model, settings.platform_link.as_deref(), "platform", findings);
     let places = model.places(&values);
     let allowed_roots = if platform_link.is_some() { 2 } else { 1 };
     model.check_roots(&places, allowed_roots, findings);
@@ -102,14 +51,7 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
         model.roots.iter().copied().find(|r| Some(bodies.of[*r]) != platform_body).or(model.roots.first().copied())?;
     let base = bodies.of[base_link.unwrap_or(root)];
     if platform_body == Some(base) {
-        let name = settings.platform_link.clone().unwrap_or_default();
-        let advice = if base_link.is_some() {
-            "name another link"
-        } else {
-            "name the base with `--base-link` if it is another, or name another platform"
-        };
-        let text = format!("'{name}' is named as the platform, but is fixed to the base; {advice}");
-        findings.add(K::DisconnectedPlatform, name, None, text);
+        platform_on_base(settings, findings);
         return None;
     }
     let motors: HashSet<&str> = settings.motors.iter().map(String::as_str).collect();
@@ -130,13 +72,13 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
     let base_link = base_link.unwrap_or_else(|| frames.base(root, findings));
     let platform_link = platform_link.unwrap_or_else(|| frames.platform(findings));
     let frames = [base_link, platform_link].map(|l| bodies.frames[l].inverse());
-    let mut found = Found { legs: Vec::with_capacity(measured.len()), home: None };
-    for leg in &measured {
-        let range = range(&model, leg, settings, findings);
+    let leg = |leg: &Measured| {
         let [base, platform] = [0, 1].map(|k| (frames[k] * Point3::from(leg.anchors[k])).coords);
         let (joint, reversed, length) = (leg.joint.clone(), leg.reversed, leg.length);
-        found.legs.push(FoundLeg { joint, reversed, platform, base, length, range });
-    }
+        FoundLeg { joint, reversed, platform, base, length, range: range(&model, leg, settings, findings) }
+    };
+    let legs = measured.iter().map(leg).collect();
+    let mut found = Found { legs, home: None };
     if findings.any_error() {
         return None;
     }
@@ -150,6 +92,41 @@ pub(super) fn extract(description: &Description, settings: &Settings, findings: 
         found.home = seen.home(&found.legs, tree, &values, allowed, findings);
     }
     Some(found)
+}
+
+/// Reports joints of the side file that do not exist.
+fn check_joints(model: &Model, settings: &Settings, findings: &mut Findings) {
+    for name in settings.motors.iter().chain(settings.motions.keys()) {
+        if !model.edges.iter().any(|e| e.name == *name) {
+            let hint = did_you_mean(name, model.edges.iter().map(|e| e.name.as_str()));
+            let text = format!("the side file names the joint '{name}', which does not exist{hint}");
+            findings.add(K::UnknownJoint, name, None, text);
+        }
+    }
+}
+
+/// The link that is named as base or platform; one that does not exist is reported.
+fn named_link(model: &Model, name: Option<&str>, what: &str, findings: &mut Findings) -> Option<usize> {
+    let name = name?;
+    let link = model.link(name);
+    if link.is_none() {
+        let hint = did_you_mean(name, model.links.iter().map(String::as_str));
+        let text = format!("'{name}', named as the {what} link, does not exist{hint}");
+        findings.add(K::UnknownLink, name, None, text);
+    }
+    link
+}
+
+/// Reports a platform that is fixed to the base.
+fn platform_on_base(settings: &Settings, findings: &mut Findings) {
+    let name = settings.platform_link.clone().unwrap_or_default();
+    let advice = if settings.base_link.is_some() {
+        "name another link"
+    } else {
+        "name the base with `--base-link` if it is another, or name another platform"
+    };
+    let text = format!("'{name}' is named as the platform, but is fixed to the base; {advice}");
+    findings.add(K::DisconnectedPlatform, name, None, text);
 }
 
 /// Coordinates of the joints at home, by joint.

@@ -5,10 +5,12 @@ use std::collections::HashMap;
 use nalgebra::Point3;
 
 use super::closures::Frame;
-use super::extract::FoundLeg;
-use super::finding::{FindingKind as K, Findings};
+use super::findings::Findings;
+use super::found::FoundLeg;
 use super::leg::{Allowed, Measured};
 use super::model::Model;
+use crate::conditions::Conditions;
+use crate::files::finding::FindingKind as K;
 use crate::mechanism::{Leg, Mechanism, SixHardpoint};
 use crate::pose::Pose;
 
@@ -31,19 +33,7 @@ impl Assembly<'_> {
         allowed: Allowed,
         findings: &mut Findings,
     ) -> Option<Pose> {
-        let mut lengths = Vec::with_capacity(legs.len());
-        for (leg, measured) in legs.iter().zip(self.measured) {
-            let q = values.get(&measured.edge).copied().unwrap_or(0.0);
-            lengths.push(if leg.reversed { leg.length - q } else { leg.length + q });
-            if let Some([lower, upper]) = self.model.edges[measured.edge].limit.filter(|[a, b]| q < *a || q > *b) {
-                let (name, middle) = (&leg.joint, 0.5 * (lower + upper));
-                let text = format!(
-                    "joint '{name}' is at {q} m at home, outside its limits {lower} to {upper} m; mid-travel would be \
-                     `--home {name}={middle}`"
-                );
-                findings.add(K::HomeOutsideLimits, name, measured.line, text);
-            }
-        }
+        let lengths = self.lengths(legs, values, findings);
         let mean = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
         let tolerance = allowed.distance(mean);
         let gaps = self.gaps(legs, &tree, &lengths);
@@ -60,18 +50,7 @@ impl Assembly<'_> {
         } else {
             String::new()
         };
-        let as_leg = |(l, length): (&FoundLeg, &f64)| Leg {
-            platform: l.platform,
-            base: l.base,
-            length: *length,
-            length_offset: 0.0,
-            stroke: None,
-        };
-        let all: Vec<Leg> = legs.iter().zip(&lengths).map(as_leg).collect();
-        let solved = SixHardpoint::new("home", &all, Some(tree), None).ok().and_then(|m| {
-            let at = crate::conditions::Conditions::unknown();
-            m.forward(m.values(), &lengths, &at, &tree).ok()
-        });
+        let solved = nearest(legs, &lengths, &tree);
         let Some(pose) = solved else {
             let text = format!(
                 "at its home joint coordinates the leg of joint '{worst}' misses its anchor by {:.3} mm{which}, and \
@@ -93,6 +72,24 @@ impl Assembly<'_> {
         Some(pose)
     }
 
+    /// Lengths of the legs at home; slides outside their limits are reported.
+    fn lengths(&self, legs: &[FoundLeg], values: &HashMap<usize, f64>, findings: &mut Findings) -> Vec<f64> {
+        let mut lengths = Vec::with_capacity(legs.len());
+        for (leg, measured) in legs.iter().zip(self.measured) {
+            let q = values.get(&measured.edge).copied().unwrap_or(0.0);
+            lengths.push(if leg.reversed { leg.length - q } else { leg.length + q });
+            if let Some([lower, upper]) = self.model.edges[measured.edge].limit.filter(|[a, b]| q < *a || q > *b) {
+                let (name, middle) = (&leg.joint, 0.5 * (lower + upper));
+                let text = format!(
+                    "joint '{name}' is at {q} m at home, outside its limits {lower} to {upper} m; mid-travel would be \
+                     `--home {name}={middle}`"
+                );
+                findings.add(K::HomeOutsideLimits, name, measured.line, text);
+            }
+        }
+        lengths
+    }
+
     /// The largest distance between the anchors of each leg and those of its bodies.
     fn gaps(&self, legs: &[FoundLeg], tree: &Pose, lengths: &[f64]) -> Vec<f64> {
         let gap = |((leg, measured), length): ((&FoundLeg, &Measured), &f64)| {
@@ -107,4 +104,18 @@ impl Assembly<'_> {
         };
         legs.iter().zip(self.measured).zip(lengths).map(gap).collect()
     }
+}
+
+/// The pose nearest to that of the tree that fits the lengths.
+fn nearest(legs: &[FoundLeg], lengths: &[f64], tree: &Pose) -> Option<Pose> {
+    let as_leg = |(l, length): (&FoundLeg, &f64)| Leg {
+        platform: l.platform,
+        base: l.base,
+        length: *length,
+        length_offset: 0.0,
+        stroke: None,
+    };
+    let all: Vec<Leg> = legs.iter().zip(lengths).map(as_leg).collect();
+    let mechanism = SixHardpoint::new("home", &all, Some(*tree), None).ok()?;
+    mechanism.forward(mechanism.values(), lengths, &Conditions::unknown(), tree).ok()
 }

@@ -8,10 +8,11 @@
 use nalgebra::Vector3;
 
 use super::anchor::{End, check_turns, common_point, decide, largest_miss};
+use super::bodies::Bodies;
 use super::closures::{Frame, Motion};
-use super::finding::{Finding, FindingKind as K};
 use super::graph::Part;
-use super::model::{Bodies, Model};
+use super::model::Model;
+use crate::files::finding::{Finding, FindingKind as K};
 
 /// A leg in numbers.
 #[derive(Clone, Debug)]
@@ -138,34 +139,27 @@ fn branches(model: &Model, leg: &Part) -> Finding {
 /// A body, its pose in the frame of the leg, and the edge and the place in the list by which it was reached.
 type Reached = (usize, Frame, Option<(usize, usize)>);
 
-/// Follows the leg from one side of its slide to a body.
-fn end(
+/// The bodies between the slide of a leg and the body at its end.
+struct Walk {
+    reached: Vec<Reached>,
+    /// The edge into that body, and the place in the list from which it goes there.
+    last: usize,
+    from: usize,
+    /// That body's pose in the frame of the leg.
+    there: Frame,
+}
+
+/// Walks from a body of the leg, which has this pose, to the first of the `ends`; the leg must not branch on the way.
+fn walk(
     model: &Model,
     bodies: &Bodies,
     leg: &Part,
     slide: usize,
-    side: usize,
-    target: usize,
-    other: usize,
-) -> Result<End, Finding> {
-    let edge = &model.edges[slide];
-    let start = edge.sides[side];
-    let start_body = bodies.of[start.link];
-    let inward = bodies.frame(&start).inverse();
-    let finding = |kind, text| Finding { kind, element: edge.name.clone(), line: edge.line, text };
-    if start_body == target {
-        let text = format!(
-            "joint '{}' slides on the base or on the platform itself, as in a hexaglide (6-PUS); a leg of this kind has \
-             its joints at both ends, so implement `Mechanism` for it",
-            edge.name
-        );
-        return Err(finding(K::SlideOnBase, text));
-    }
-    if start_body == other {
-        return Err(branches(model, leg));
-    }
+    start: (usize, Frame),
+    [target, other]: [usize; 2],
+) -> Result<Walk, Finding> {
     // Breadth first; each body remembers the edge by which it was reached.
-    let mut reached: Vec<Reached> = vec![(start_body, inward, None)];
+    let mut reached: Vec<Reached> = vec![(start.0, start.1, None)];
     let mut into_target = Vec::new();
     let mut inner = 0;
     let mut at = 0;
@@ -196,15 +190,44 @@ fn end(
         at += 1;
     }
     // Every inner edge was seen from both of its bodies; a tree has one less than it has bodies.
-    let ([(last, from, there)], true) = (&into_target[..], inner == 2 * (reached.len() - 1)) else {
+    match (&into_target[..], inner == 2 * (reached.len() - 1)) {
+        ([(last, from, there)], true) => Ok(Walk { last: *last, from: *from, there: *there, reached }),
+        _ => Err(branches(model, leg)),
+    }
+}
+
+/// Follows the leg from one side of its slide to a body.
+fn end(
+    model: &Model,
+    bodies: &Bodies,
+    leg: &Part,
+    slide: usize,
+    side: usize,
+    target: usize,
+    other: usize,
+) -> Result<End, Finding> {
+    let edge = &model.edges[slide];
+    let start = edge.sides[side];
+    let start_body = bodies.of[start.link];
+    let inward = bodies.frame(&start).inverse();
+    let finding = |kind, text| Finding { kind, element: edge.name.clone(), line: edge.line, text };
+    if start_body == target {
+        let text = format!(
+            "joint '{}' slides on the base or on the platform itself, as in a hexaglide (6-PUS); a leg of this kind has \
+             its joints at both ends, so implement `Mechanism` for it",
+            edge.name
+        );
+        return Err(finding(K::SlideOnBase, text));
+    }
+    if start_body == other {
         return Err(branches(model, leg));
-    };
+    }
+    let Walk { reached, last, from, there } = walk(model, bodies, leg, slide, (start_body, inward), [target, other])?;
     let mut end = End { carry: there.inverse(), ..End::default() };
-    let from = *from;
-    let near = usize::from(bodies.of[model.edges[*last].sides[1].link] == reached[from].0);
-    let link = model.edges[*last].sides[near].link;
+    let near = usize::from(bodies.of[model.edges[last].sides[1].link] == reached[from].0);
+    let link = model.edges[last].sides[near].link;
     end.last = (link, reached[from].1 * bodies.frames[link]);
-    let mut step = Some((*last, from));
+    let mut step = Some((last, from));
     while let Some((k, body)) = step {
         let e = &model.edges[k];
         let (body, pose, previous) = reached[body];

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::side::{SideDocument, is_closure_yaml, names};
 use crate::files::error::FileError;
-use crate::files::machine::{Machine, SIX_HARDPOINT};
+use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::kinds::six_hardpoint::KIND;
 use crate::files::outputs::Outputs;
 
 /// Files that were added to the outputs.
@@ -85,7 +86,7 @@ fn replaceable(side: &Path, robot: &Path) -> Result<(), String> {
     if table.contains_key("leg") {
         return Err("it is a mechanism file of its own".into());
     }
-    if let Some(kind) = table.get("type").and_then(toml::Value::as_str).filter(|k| *k != SIX_HARDPOINT) {
+    if let Some(kind) = table.get("type").and_then(toml::Value::as_str).filter(|k| *k != KIND.name) {
         return Err(format!("it is a mechanism file of kind '{kind}'"));
     }
     if let Err(e) = toml::from_str::<SideDocument>(&text) {

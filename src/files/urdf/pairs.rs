@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 
 use super::closures::{Closure, End, Frame, Motion, Source};
 use super::description::Description;
-use super::finding::{FindingKind as K, Findings, did_you_mean};
+use super::findings::{Findings, did_you_mean};
+use crate::files::finding::FindingKind as K;
 
 /// A pair of frames that coincide when the mechanism is assembled, by the names of links or joints.
 #[derive(Clone, Debug, PartialEq)]

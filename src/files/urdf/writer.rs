@@ -10,8 +10,9 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::description::escaped;
 use crate::files::error::FileError;
-use crate::files::machine::{Machine, SIX_HARDPOINT};
-use crate::files::mechanism::document::{HomeSection, MechanismDocument};
+use crate::files::machine::Machine;
+use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::kinds::six_hardpoint::KIND;
 use crate::files::table::writer::number;
 use crate::mechanism::{Leg, SixHardpoint};
 use crate::pose::Pose;
@@ -43,7 +44,7 @@ impl Machine {
             return Err(FileError::Value {
                 path: self.path.clone(),
                 place: "type".into(),
-                problem: format!("only a mechanism of kind '{SIX_HARDPOINT}' can be written as URDF; write .toml"),
+                problem: format!("only a mechanism of kind '{}' can be written as URDF; write .toml", KIND.name),
             });
         };
         let home = self.mechanism.home();
@@ -68,10 +69,7 @@ impl Machine {
             ..side.clone()
         };
         if !at_rest(&legs, &home) {
-            let q = self.convention.coordinates(&home);
-            let (length, angle) = (|v| self.length_unit.from_si(v), |v| self.angle_unit.from_si(v));
-            side.home =
-                Some(HomeSection { position: [q[0], q[1], q[2]].map(length), rotation: [q[3], q[4], q[5]].map(angle) });
+            side.home = Some(self.units().home(&self.convention, &home));
         }
         let extra = self.extra_keys(&legs, &mut warnings);
         if self.nominal.is_some() {

@@ -4,10 +4,9 @@
 //! attributes are bounded, and no entity but the five of XML itself is replaced. Prefixes need no declaration, since
 //! tags such as `drake:ball_constraint` are found in files that declare none.
 
+use crate::files::finding::{Finding, FindingKind};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-
-use super::finding::{Finding, FindingKind};
 
 /// Largest file, bytes.
 pub(super) const MAX_BYTES: usize = 64 << 20;

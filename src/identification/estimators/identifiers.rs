@@ -1,10 +1,13 @@
-//! The trait of identifiers, the two plain ones, and the registry.
+//! The trait of identifiers, and the two plain ones.
 
 use nalgebra::DMatrix;
 
+use crate::identification::error::IdentifyError;
+use crate::identification::estimators::identification::Identification;
 use crate::identification::judgement::weak_directions::DataSpectrum;
-use crate::identification::problem::calibration_problem::{CalibrationProblem, Weights};
-use crate::identification::{Identification, IdentifyError, Prior, PriorPolicy, Robust, Task};
+use crate::identification::problem::calibration_problem::CalibrationProblem;
+use crate::identification::problem::prior::{Prior, PriorPolicy};
+use crate::identification::task::{Task, Weights};
 use crate::observability::DECIDED;
 use crate::solve::{
     LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, LinearMethod, SolveError, least_squares,
@@ -53,19 +56,6 @@ pub struct LeastSquares {
 pub struct LevenbergMarquardt {
     /// When to stop and how to step.
     pub options: LeastSquaresOptions,
-}
-
-/// Names of the identifiers that [`identifier`] makes.
-pub const IDENTIFIERS: &[&str] = &["levenberg-marquardt", "least-squares", "robust"];
-
-/// The identifier of a name, with its default settings.
-pub fn identifier(name: &str) -> Option<Box<dyn Identifier>> {
-    match name {
-        "levenberg-marquardt" => Some(Box::new(LevenbergMarquardt::default())),
-        "least-squares" => Some(Box::new(LeastSquares::default())),
-        "robust" => Some(Box::new(Robust::default())),
-        _ => None,
-    }
 }
 
 impl Identifier for LeastSquares {
@@ -173,7 +163,7 @@ fn solve(
     let mut problem = CalibrationProblem::new(task, prior, noise_scale)?;
     let finish = |problem: &CalibrationProblem<'_>, solution: &LeastSquaresSolution| {
         let weights = vec![1.0; task.data.len()];
-        Identification::from_solution(task, problem, solution, noise_scale, weights, Vec::new())
+        Identification::from_solution(task, problem, solution, noise_scale, weights, &[])
     };
     let start = problem.start();
     match least_squares(&mut problem, start, method, options) {
@@ -230,10 +220,11 @@ pub fn choose_prior(task: &Task<'_>, noise_scale: f64) -> Result<Option<Prior>, 
     Ok(unseen.map(|directions| Prior::holding(task.mechanism, &spectrum.scale, &directions)))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
     use crate::files::Machine;
+    use crate::identification::estimators::registry::{IDENTIFIERS, identifier};
     use crate::mechanism::Workspace;
     use crate::simulation::{as_dataset, draw_parameters, simulate, stream};
 

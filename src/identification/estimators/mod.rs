@@ -2,4 +2,6 @@
 
 pub(crate) mod identification;
 pub(crate) mod identifiers;
+pub(crate) mod registry;
 pub(crate) mod robust;
+pub(crate) mod solution;

@@ -5,8 +5,10 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
+use crate::identification::error::IdentifyError;
+use crate::identification::estimators::identifiers::Identifier;
 use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, evaluate};
-use crate::identification::{Identifier, IdentifyError, Task};
+use crate::identification::task::Task;
 use crate::measurement::Dataset;
 
 /// Which rows are held out.

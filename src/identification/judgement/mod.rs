@@ -2,10 +2,13 @@
 //! were not fitted, and predicted errors over the workspace.
 
 pub(crate) mod deviations;
+pub(crate) mod fit_test;
 pub(crate) mod goodness_of_fit;
 pub(crate) mod held_out;
 pub(crate) mod model_errors;
 pub(crate) mod plausibility;
 pub(crate) mod prediction;
+pub(crate) mod samples;
 pub(crate) mod verdict;
+pub(crate) mod warnings;
 pub(crate) mod weak_directions;

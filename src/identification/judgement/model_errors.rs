@@ -1,16 +1,16 @@
 //! Errors of a model on measured data; nothing is fitted.
 
-use crate::identification::problem::calibration_problem::{own_start, pose_from_home};
-use crate::identification::{Deviation, IdentifyError};
-use crate::measurement::{Dataset, RowKind, Rows};
+use crate::identification::error::IdentifyError;
+use crate::identification::judgement::deviations::Deviation;
+use crate::identification::judgement::samples::each_sample;
+use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
-use crate::pose::Pose;
 
 /// Error of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleError {
-    /// 0-based data row.
-    pub row: usize,
+    /// The sample.
+    pub row: DataRow,
     /// Length of the position error, m (RMS over the targets if there are several); `None` if no position was
     /// measured.
     pub position: Option<f64>,
@@ -20,7 +20,7 @@ pub struct SampleError {
 
 impl SampleError {
     /// From the rows of a reading, predicted minus measured or the other way round.
-    fn of(row: usize, readings: &[(RowKind, f64)]) -> Self {
+    fn of(row: DataRow, readings: &[(RowKind, f64)]) -> Self {
         let sum = |kind: RowKind| {
             let squares: Vec<f64> = readings.iter().filter(|(k, _)| *k == kind).map(|(_, r)| r * r).collect();
             (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())
@@ -88,23 +88,4 @@ pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Resul
         SampleError::of(data.sample(k).row, &readings)
     })?;
     Ok(ModelErrors { samples })
-}
-
-/// Looks at each sample with its predicted pose and its residual `ŷ - y`.
-pub(crate) fn each_sample<T>(
-    mechanism: &dyn Mechanism,
-    own: &[f64],
-    data: &Dataset,
-    look: impl Fn(usize, &Pose, &Rows) -> T,
-) -> Result<Vec<T>, IdentifyError> {
-    let count = data.model().nuisance_parameters().len();
-    let poses: Vec<Pose> = (0..data.len()).map(|k| pose_from_home(mechanism, data, k)).collect::<Result<_, _>>()?;
-    let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
-    let sample = |(k, pose): (usize, &Pose)| {
-        let mut rows = Rows::sized(data.rows(k).len(), count);
-        let (model, index) = data.reading(k);
-        model.evaluate(index, pose, &data.frames, &own, &mut rows);
-        look(k, pose, &rows)
-    };
-    Ok(poses.iter().enumerate().map(sample).collect())
 }

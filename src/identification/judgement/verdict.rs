@@ -1,7 +1,7 @@
 //! May the result be used? What speaks against it, and what the user should know.
 
-use crate::identification::{Calibration, Holdout, Identification, Implausible};
-use crate::measurement::Dataset;
+use crate::identification::estimators::identification::Identification;
+use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 use crate::units::{shortened, show_probability};
 
@@ -70,43 +70,8 @@ pub(crate) fn judge(
         warnings.push(format!("joints outside their stroke in data row {}", shortened(&outside)));
     }
     if !found.outliers.is_empty() {
-        let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
+        let rows: Vec<String> = found.outliers.iter().map(DataRow::to_string).collect();
         warnings.push(format!("gross errors in data row {}; they were given little or no weight", shortened(&rows)));
     }
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
-}
-
-/// Adds what the whole calibration says.
-pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
-    let warnings = &mut result.verdict.warnings;
-    if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: the remaining rows cannot be fitted on their own".into());
-    }
-    if result.registration.applied {
-        warnings.push(
-            "the data are in their own frame; the calibrated model is in the frames of the measurement \
-             (see frames)"
-                .into(),
-        );
-    }
-    let implausible = &result.plausibility.implausible;
-    let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;
-    if let Some(worst) = implausible.iter().max_by(|a, b| in_tolerances(a).total_cmp(&in_tolerances(b))) {
-        let (unit, per_si) = worst.dimension.in_tables();
-        warnings.push(format!(
-            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
-             a small residual with such values means that they absorb another cause",
-            implausible.len(),
-            worst.name,
-            per_si * worst.deviation
-        ));
-    }
-    if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {
-        let scale = result.identification.noise_scale * data.noise.position;
-        warnings.push(format!(
-            "no noise is stated; it was estimated from the residuals as {:.3} um per position coordinate",
-            1e6 * scale
-        ));
-    }
-    result
 }

@@ -7,11 +7,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::estimators::identification::linearized;
+use crate::identification::error::IdentifyError;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
-use crate::identification::{IdentifyError, Task, Weights};
+use crate::identification::task::{Task, Weights};
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
 use crate::observability::{DECIDED, Spectrum};
+use crate::solve::linearized;
 use crate::units::Dimension;
 
 /// Singular values and directions of the data alone.

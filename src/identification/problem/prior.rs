@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::identification::IdentifyError;
+use crate::identification::error::IdentifyError;
 use crate::mechanism::{Body, Mechanism, ParameterSpec, characteristic_length, rigid_directions};
 use crate::units::Dimension;
 

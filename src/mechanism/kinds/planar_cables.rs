@@ -102,23 +102,8 @@ impl PlanarCables {
             size: segments.iter().map(|s| s.base.xy().norm()).fold(0.0, f64::max).max(1e-3),
         };
         for (leg, cable) in cables.iter().enumerate() {
-            let mut weights = vec![0.0; segments.len()];
-            for k in &cable.segments {
-                let Some(weight) = weights.get_mut(*k) else {
-                    let found = segments.len();
-                    return Err(GeometryError::Outline(format!(
-                        "cable {} runs along segment {}, but there are {found}",
-                        leg + 1,
-                        k + 1
-                    )));
-                };
-                *weight += 1.0;
-            }
-            if cable.segments.is_empty() {
-                return Err(GeometryError::Outline(format!("cable {} has no segment", leg + 1)));
-            }
             closure.cables.push((outline.parameters.len(), cable.drum.is_some()));
-            closure.weights.push(weights);
+            closure.weights.push(weights(leg, cable, segments.len())?);
             let role = ParameterRole::JointOffset { leg };
             let name = format!("o{}", leg + 1);
             outline = outline.parameter(name, Dimension::Length, cable.offset, sigma(|t| t.length), role);
@@ -151,6 +136,24 @@ impl PlanarCables {
             (Vector3::new(c[0], c[1], a), Vector3::new(c[2], c[3], b))
         }
     }
+}
+
+/// How often a cable runs along each segment.
+fn weights(leg: usize, cable: &Cable, segments: usize) -> Result<Vec<f64>, GeometryError> {
+    let mut weights = vec![0.0; segments];
+    for k in &cable.segments {
+        let Some(weight) = weights.get_mut(*k) else {
+            let (cable, segment) = (leg + 1, k + 1);
+            return Err(GeometryError::Outline(format!(
+                "cable {cable} runs along segment {segment}, but there are {segments}"
+            )));
+        };
+        *weight += 1.0;
+    }
+    if cable.segments.is_empty() {
+        return Err(GeometryError::Outline(format!("cable {} has no segment", leg + 1)));
+    }
+    Ok(weights)
 }
 
 impl Closure for PlanarCables {

@@ -2,8 +2,9 @@
 
 use super::settlement::limit_table;
 use super::{errors_row, table};
-use crate::diagnosis::{Cause, Diagnosis, Unknown, Verdict};
+use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
+use crate::measurement::DataRow;
 use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
@@ -20,7 +21,7 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
     }
     text += &format!("\n{}", errors_text(d));
     if !d.outlier_rows.is_empty() {
-        let rows: Vec<String> = d.outlier_rows.iter().map(usize::to_string).collect();
+        let rows: Vec<String> = d.outlier_rows.iter().map(DataRow::to_string).collect();
         text += &format!("\ngross errors, left out: data rows {}\n", shortened(&rows));
     }
     if let Some(n) = &d.noise_varies {
@@ -107,12 +108,14 @@ pub fn verdict(d: &Diagnosis) -> String {
 fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
     let leg = at_leg(d, u.leg);
     match (&u.covariate, u.test) {
-        (Some(covariate), "patchwork") => format!(", which changes with {covariate}; the causes above only mimic it"),
+        (Some(covariate), UnknownTest::Patchwork) => {
+            format!(", which changes with {covariate}; the causes above only mimic it")
+        }
         (Some(covariate), _) => format!(", which depends on {covariate}{leg}"),
-        (None, "misfit") => {
+        (None, UnknownTest::Misfit) => {
             ", because the data do not fit the mechanism at all: check the file and the mechanism".into()
         }
-        (None, "scatter") => format!(", which scatters{leg} and depends on nothing that was recorded"),
+        (None, UnknownTest::Scatter) => format!(", which scatters{leg} and depends on nothing that was recorded"),
         (None, _) => ", which exceeds the stated noise".into(),
     }
 }

@@ -49,12 +49,12 @@ pub fn said(d: &Diagnosis) -> String {
     let mut parts: Vec<String> = d.causes.iter().map(one).collect();
     parts.extend(d.unknown.as_ref().map(|u| {
         let what = u.covariate.as_deref().unwrap_or("nothing recorded");
-        format!("unknown over {}, by {}", place(what, u.leg.map(|leg| leg + 1), None), u.test)
+        format!("unknown over {}, by {}", place(what, u.leg.map(|leg| leg + 1), None), u.test.word())
     }));
     parts.extend(d.misread.as_ref().map(|m| format!("{}: {}", m.reading, m.detail)));
     parts.extend(d.noise_varies.as_ref().map(|n| format!("noise over {}", n.covariate)));
     if !d.outlier_rows.is_empty() {
-        parts.push(format!("outliers {:?}", d.outlier_rows));
+        parts.push(format!("outliers {:?}", d.outlier_rows.iter().map(|row| row.0).collect::<Vec<_>>()));
     }
     format!("{}: {}", d.verdict.word(), parts.join("; "))
 }

@@ -1,7 +1,9 @@
-//! A folder with a mechanism file and a measurement file in which the program runs, and what it answers.
+//! A folder in which the program runs as its users run it, and what it answers there.
 
-use std::path::Path;
-use std::process::Output;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -11,16 +13,78 @@ use super::hidden::cases::{Kind, Truth, draw};
 /// Seed of the cases.
 pub const SEED: u64 = 20;
 
-/// A folder with `m.toml` and `d.csv`.
+/// The bundled mechanism and its noisy measurement.
+pub const TABLE_5: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml"));
+pub const NOISY: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/hardpoint-noisy.csv"));
+
+/// Names and contents of the entries of a folder; a folder in it has the content `folder`.
+pub type Listing = BTreeMap<String, Vec<u8>>;
+
+/// The arguments of a call: a line that is split at blanks, or words, which may hold blanks.
+pub trait Call {
+    fn words(&self) -> Vec<&str>;
+}
+
+impl Call for str {
+    fn words(&self) -> Vec<&str> {
+        self.split_whitespace().collect()
+    }
+}
+
+impl Call for String {
+    fn words(&self) -> Vec<&str> {
+        self.as_str().words()
+    }
+}
+
+impl Call for [&str] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl<const N: usize> Call for [&str; N] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+/// What a call printed.
+pub struct Printed {
+    pub out: String,
+    pub err: String,
+}
+
+/// A temporary folder; calls name its files without a path.
 pub struct Bench {
     folder: TempDir,
 }
 
 impl Bench {
-    pub fn new(mechanism: &str, data: &str) -> Self {
-        let bench = Self { folder: tempfile::tempdir().unwrap() };
-        bench.file("m.toml", mechanism);
-        bench.file("d.csv", data);
+    pub fn empty() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// A folder with `m.toml` and `d.csv`.
+    pub fn new(mechanism: impl AsRef<[u8]>, data: impl AsRef<[u8]>) -> Self {
+        Self::empty().with("m.toml", mechanism).with("d.csv", data)
+    }
+
+    /// The bundled case as `m.toml` and `d.csv`.
+    pub fn bundled() -> Self {
+        Self::new(TABLE_5, NOISY)
+    }
+
+    /// The bundled files where the documentation names them: `mechanisms/` and `examples/data/`.
+    pub fn project() -> Self {
+        let bench = Self::empty();
+        for name in ["mechanisms", "examples/data"] {
+            fs::create_dir_all(bench.at(name)).unwrap();
+            for entry in fs::read_dir(super::path(name)).unwrap() {
+                let from = entry.unwrap().path();
+                fs::copy(&from, bench.at(name).join(from.file_name().unwrap())).unwrap();
+            }
+        }
         bench
     }
 
@@ -30,52 +94,131 @@ impl Bench {
         (Self::new(&case.mechanism, &case.data), case.truth)
     }
 
+    /// With a further file, or another one of that name.
+    pub fn with(self, name: &str, content: impl AsRef<[u8]>) -> Self {
+        self.write(name, content);
+        self
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.at(name), content).unwrap();
+    }
+
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    pub fn file(&self, name: &str, text: &str) {
-        std::fs::write(self.path().join(name), text).unwrap();
+    pub fn at(&self, name: &str) -> PathBuf {
+        self.path().join(name)
     }
 
+    #[track_caller]
     pub fn text(&self, name: &str) -> String {
-        std::fs::read_to_string(self.path().join(name)).unwrap()
+        fs::read_to_string(self.at(name)).unwrap()
+    }
+
+    #[track_caller]
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.at(name)).unwrap()
     }
 
     pub fn has(&self, name: &str) -> bool {
-        self.path().join(name).exists()
+        self.at(name).exists()
     }
 
-    pub fn run(&self, call: &str) -> Output {
-        let words = call.split_whitespace();
-        assert_cmd::cargo::cargo_bin_cmd!("paracal").current_dir(self.path()).args(words).output().unwrap()
+    pub fn listing(&self) -> Listing {
+        listing(self.path())
     }
 
-    /// Standard output of a call with this exit code.
+    /// The program with these arguments, to be run in the folder.
+    pub fn command(&self, call: &(impl Call + ?Sized)) -> Command {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("paracal"));
+        command.current_dir(self.path()).args(call.words()).stdin(Stdio::null());
+        command
+    }
+
+    pub fn run(&self, call: &(impl Call + ?Sized)) -> Output {
+        self.command(call).output().unwrap()
+    }
+
+    /// What a call prints that ends with this exit code.
     #[track_caller]
-    pub fn exits(&self, code: i32, call: &str) -> String {
+    pub fn exits(&self, code: i32, call: &(impl Call + ?Sized)) -> Printed {
         let output = self.run(call);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(code), "{call}: {message}");
-        String::from_utf8(output.stdout).unwrap()
+        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        assert_eq!(output.status.code(), Some(code), "{:?}: {err}", call.words());
+        Printed { out, err }
+    }
+
+    /// What a call prints that succeeds.
+    #[track_caller]
+    pub fn done(&self, call: &(impl Call + ?Sized)) -> Printed {
+        self.exits(0, call)
+    }
+
+    /// The object of a call that succeeds, and its warnings.
+    #[track_caller]
+    pub fn json_and_warnings(&self, call: &(impl Call + ?Sized)) -> (Value, String) {
+        let printed = self.done(&[&call.words()[..], &["--json"]].concat()[..]);
+        (serde_json::from_str(&printed.out).unwrap(), printed.err)
     }
 
     #[track_caller]
-    pub fn json(&self, call: &str) -> Value {
-        serde_json::from_str(&self.exits(0, &format!("{call} --json"))).unwrap()
+    pub fn json(&self, call: &(impl Call + ?Sized)) -> Value {
+        self.json_and_warnings(call).0
     }
 
-    /// The message of a call that is refused: exit code 2, nothing on standard output.
+    /// Requires that a call is refused: exit code 2 and a message with all these parts, nothing on standard output,
+    /// and a folder as it was. The message.
     #[track_caller]
-    pub fn refused(&self, call: &str, parts: &[&str]) {
+    pub fn refuses(&self, call: &(impl Call + ?Sized), parts: &[&str]) -> String {
+        self.refusal(call, parts).unwrap_or_else(|problem| panic!("{problem}"))
+    }
+
+    /// The message of a call that is refused in that way, or what is wrong with it.
+    pub fn refusal(&self, call: &(impl Call + ?Sized), parts: &[&str]) -> Result<String, String> {
+        let before = self.listing();
         let output = self.run(call);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{call}: {message}{}", String::from_utf8_lossy(&output.stdout));
-        assert!(message.starts_with("error: ") && output.stdout.is_empty(), "{call}: {message}");
-        for part in parts {
-            assert!(message.contains(part), "{call}: '{part}' is not in: {message}");
+        let (call, message) = (call.words().join(" "), String::from_utf8_lossy(&output.stderr).into_owned());
+        let mut problems = Vec::new();
+        if output.status.code() != Some(2) {
+            problems.push(format!("{}", output.status));
         }
+        if !message.starts_with("error: ") {
+            problems.push("no error".into());
+        }
+        problems
+            .extend(parts.iter().filter(|p| !message.contains(**p)).map(|p| format!("'{p}' is not in the message")));
+        if !output.stdout.is_empty() {
+            problems.push(format!("prints {}", String::from_utf8_lossy(&output.stdout)));
+        }
+        let after = self.listing();
+        if after != before {
+            problems.push(format!("the folder has changed: {:?}", after.keys()));
+        }
+        if problems.is_empty() { Ok(message) } else { Err(format!("{call}: {}\n{message}", problems.join("; "))) }
     }
+}
+
+/// Names and contents of everything in a folder.
+pub fn listing(folder: &Path) -> Listing {
+    // A file that a running process gives its name between two looks is at neither.
+    let content = |p: &Path| if p.is_dir() { Some(b"folder".to_vec()) } else { fs::read(p).ok() };
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter_map(|p| Some((p.file_name()?.to_str()?.to_owned(), content(&p)?))).collect()
+}
+
+#[track_caller]
+pub fn says(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "'{part}' is not in: {message}");
+    }
+}
+
+/// The number under these keys.
+#[track_caller]
+pub fn number(v: &Value, keys: &[&str]) -> f64 {
+    keys.iter().fold(v, |v, k| &v[*k]).as_f64().unwrap_or_else(|| panic!("no number at {keys:?} in {v}"))
 }
 
 pub fn strings(value: &Value) -> Vec<&str> {

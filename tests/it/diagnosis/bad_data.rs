@@ -70,7 +70,7 @@ impl Table {
 
     fn bench(&self) -> Bench {
         let lines = std::iter::once(&self.header).chain(&self.rows).map(|cells| cells.join(",") + "\n");
-        Bench::new(&self.mechanism, &lines.collect::<String>())
+        Bench::new(&self.mechanism, lines.collect::<String>())
     }
 
     #[track_caller]
@@ -80,9 +80,7 @@ impl Table {
 
     #[track_caller]
     fn refused(&self, parts: &[&str]) {
-        let bench = self.bench();
-        bench.refused("diagnose m.toml d.csv -o e.toml", parts);
-        assert!(!bench.has("e.toml"));
+        self.bench().refuses("diagnose m.toml d.csv -o e.toml", parts);
     }
 
     /// Requires that nothing is found.

@@ -1,14 +1,11 @@
 //! From which size on an effect is seen: against the methods page, against simulated diagnoses, and in `select`.
 
-use std::path::Path;
-use std::process::Output;
-
+use crate::common::bench::{Bench, says};
 use crate::common::hidden::effects::{Influence, Planted, measured};
 use crate::common::hidden::hexapod::Geometry;
 use crate::common::hidden::limits::NOISE;
 use crate::common::hidden::run::{Run, Weather, normal};
 use crate::common::hidden::text::{Sheet, mechanism};
-use assert_cmd::cargo::cargo_bin_cmd;
 use paracal::diagnosis::{NotFound, NotTestable, Question, Verdict, detection_limits, diagnose, planned};
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::Sample;
@@ -119,24 +116,13 @@ fn an_effect_of_the_size_of_its_limit_is_seen_in_95_of_100() {
     }
 }
 
-fn paracal(folder: &Path, args: &[&str]) -> Output {
-    cargo_bin_cmd!("paracal").current_dir(folder).args(args).output().unwrap()
-}
-
 /// `select` for a campaign of random poses, as for the published limits.
-const SELECT: [&str; 12] =
-    ["select", "m.toml", "-o", "poses.csv", "-n", "120", "--selector", "random", "--candidates", "400", "--seed", "3"];
+const SELECT: &str = "select m.toml -o poses.csv -n 120 --selector random --candidates 400 --seed 3";
+const SELECT_FOR_DIAGNOSIS: &str =
+    "select m.toml -o poses.csv -n 120 --selector random --candidates 400 --seed 3 --for-diagnosis";
 
-fn folder_with(mechanism: &str) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("m.toml"), mechanism).unwrap();
-    folder
-}
-
-fn json(folder: &Path, further: &[&str]) -> Value {
-    let output = paracal(folder, &[&SELECT, further, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+fn bench() -> Bench {
+    Bench::empty().with("m.toml", mechanism())
 }
 
 /// The limit of an effect in the object of `select`.
@@ -151,8 +137,8 @@ fn missing(result: &Value) -> Vec<&str> {
 
 #[test]
 fn select_tells_the_limits_of_the_assumed_campaign() {
-    let folder = folder_with(&mechanism());
-    let result = json(folder.path(), &["--for-diagnosis"]);
+    let bench = bench();
+    let result = bench.json(SELECT_FOR_DIAGNOSIS);
     for (name, published) in PUBLISHED {
         let ratio = limit(&result, name).unwrap_or_else(|| panic!("{name}")) / published;
         println!("{name:<26} ratio {ratio:.3}");
@@ -163,28 +149,26 @@ fn select_tells_the_limits_of_the_assumed_campaign() {
     assert!(result["planned_conditions"].as_str().unwrap().contains("assumed"));
     assert_eq!(missing(&result), ["thermal.gradient", "thermal.pose", "hysteresis.play", "sag.linear"]);
     // The poses are those of a call that does not ask.
-    let plain = json(folder.path(), &[]);
+    let plain = bench.json(SELECT);
     assert_eq!(plain["poses"], result["poses"]);
     assert!(plain.get("detection_limits").is_none());
 
-    let output = paracal(folder.path(), &[&SELECT[..], &["--for-diagnosis"]].concat());
-    let text = String::from_utf8(output.stdout).unwrap();
-    for part in
-        ["120 poses in this order, noise 1.00 um and 0.360 arcsec", "assumed (--conditions FILE", "ppm/K", "nm/N"]
-    {
-        assert!(text.contains(part), "'{part}' is not in: {text}");
-    }
+    let text = bench.done(SELECT_FOR_DIAGNOSIS).out;
+    says(
+        &text,
+        &["120 poses in this order, noise 1.00 um and 0.360 arcsec", "assumed (--conditions FILE", "ppm/K", "nm/N"],
+    );
     assert!(text.trim_end().ends_with("then: paracal diagnose"), "{text}");
 }
 
 #[test]
 fn select_takes_planned_conditions_from_a_file() {
-    let folder = folder_with(&mechanism());
-    let path = folder.path().join("nights.csv");
+    let bench = bench();
     // A month of nights, whose legs have one temperature; the mirror stays where it is.
     let rows: Vec<String> = (0..24).map(|k| format!("{},{},45", k * 3600, 10.0 + 0.25 * f64::from(k))).collect();
-    std::fs::write(&path, format!("time_s,temp_legs_degC,elevation_deg\n{}\n", rows.join("\n"))).unwrap();
-    let result = json(folder.path(), &["--for-diagnosis", "--conditions", "nights.csv"]);
+    let nights = format!("time_s,temp_legs_degC,elevation_deg\n{}\n", rows.join("\n"));
+    bench.write("nights.csv", &nights);
+    let result = bench.json(&format!("{SELECT_FOR_DIAGNOSIS} --conditions nights.csv"));
     assert_eq!(result["planned_conditions"], "conditions from nights.csv, whose 24 rows are repeated");
     assert!(limit(&result, "thermal.legs.uniform").is_some() && limit(&result, "drift.leg").is_some());
     let missing = missing(&result);
@@ -192,8 +176,7 @@ fn select_takes_planned_conditions_from_a_file() {
         assert!(missing.contains(&name), "{name}: {missing:?}");
     }
     // Twice the temperature range is seen from half the size on; how far the run has passed is told by its rows.
-    let wide = std::fs::read_to_string(&path).unwrap();
-    let wide: Vec<String> = wide
+    let wide: Vec<String> = nights
         .lines()
         .map(|line| match line.split(',').collect::<Vec<_>>()[..] {
             [time, temperature, elevation] if !time.starts_with('t') => {
@@ -202,36 +185,24 @@ fn select_takes_planned_conditions_from_a_file() {
             _ => line.into(),
         })
         .collect();
-    std::fs::write(folder.path().join("wide.csv"), wide.join("\n")).unwrap();
-    let twice = json(folder.path(), &["--for-diagnosis", "--conditions", "wide.csv"]);
+    bench.write("wide.csv", wide.join("\n"));
+    let twice = bench.json(&format!("{SELECT_FOR_DIAGNOSIS} --conditions wide.csv"));
     let ratio = |name| limit(&twice, name).unwrap() / limit(&result, name).unwrap();
     assert!((ratio("thermal.legs.uniform") - 0.5).abs() < 1e-3 && (ratio("drift.leg") - 1.0).abs() < 1e-9);
 }
 
 #[test]
 fn what_keeps_limits_from_being_told_is_said_before_poses_are_chosen() {
-    let folder = folder_with(&mechanism());
-    let refused = |file: Option<&str>, parts: &[&str]| {
-        let mut args = [&SELECT[..], &["--for-diagnosis"]].concat();
-        if let Some(text) = file {
-            std::fs::write(folder.path().join("c.csv"), text).unwrap();
-            args.extend(["--conditions", "c.csv"]);
-        }
-        let output = paracal(folder.path(), &args);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{message}");
-        parts.iter().for_each(|part| assert!(message.contains(part), "'{part}' is not in: {message}"));
-        assert!(!folder.path().join("poses.csv").exists());
+    let bench = bench();
+    let refused = |text: &str, parts: &[&str]| {
+        bench.write("c.csv", text);
+        bench.refuses(&format!("{SELECT_FOR_DIAGNOSIS} --conditions c.csv"), parts);
     };
-    refused(Some("leg1_mm\n800\n"), &["c.csv", "no column of conditions", "temp_leg1_degC"]);
-    refused(
-        Some("temp_legs_degC,payload_kg\n12,0\n13,\n"),
-        &["c.csv", "data row 1", "payload_kg", "write what is planned"],
-    );
-    refused(Some("temp_legs_degC\ncold\n"), &["c.csv", "data row 0", "temp_legs_degC", "cold"]);
+    refused("leg1_mm\n800\n", &["c.csv", "no column of conditions", "temp_leg1_degC"]);
+    refused("temp_legs_degC,payload_kg\n12,0\n13,\n", &["c.csv", "data row 1", "payload_kg", "write what is planned"]);
+    refused("temp_legs_degC\ncold\n", &["c.csv", "data row 0", "temp_legs_degC", "cold"]);
     let silent = mechanism().replace("[noise]\nposition = 0.001\nrotation = 0.0001\n", "");
-    std::fs::write(folder.path().join("m.toml"), silent).unwrap();
-    refused(None, &["m.toml", "--for-diagnosis", "state [noise]"]);
-    let output = paracal(folder.path(), &[&SELECT[..], &["--conditions", "c.csv"]].concat());
-    assert_eq!(output.status.code(), Some(2));
+    bench.write("m.toml", silent);
+    bench.refuses(SELECT_FOR_DIAGNOSIS, &["m.toml", "--for-diagnosis", "state [noise]"]);
+    bench.refuses(&format!("{SELECT} --conditions c.csv"), &["--for-diagnosis"]);
 }

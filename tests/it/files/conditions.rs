@@ -114,6 +114,16 @@ fn clocks_pass_midnight() {
 }
 
 #[test]
+fn days_that_the_calendar_does_not_have_are_refused() {
+    for day in ["2023-02-29", "2023-02-30", "2023-02-31", "2026-04-31"] {
+        let time = format!("{day}T12:00:00");
+        let message = refusal("time_utc", &["2023-02-28T12:00:00", &time]);
+        says(&message, &["data row 1 (line 3), column 'time_utc'", &time, "write 2026-03-01T12:30:00"]);
+    }
+    assert_eq!(states("time_utc", &["2024-02-28T12:00:00", "2024-02-29T12:00:00"], TABLE5).len(), 2);
+}
+
+#[test]
 fn lists_of_poses_have_conditions_too() {
     let machine = Machine::from_text(TABLE5, "m.toml".as_ref()).unwrap();
     let folder = tempfile::tempdir().unwrap();

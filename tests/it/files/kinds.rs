@@ -1,9 +1,9 @@
 //! The four kinds from file to file: choose poses, simulate, calibrate, evaluate, compensate.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::common::path;
-use assert_cmd::Command;
+use crate::common::bench::Bench;
+use crate::common::{path, text};
 use paracal::conditions::Conditions;
 use paracal::conformance;
 use paracal::files::{Machine, read_poses};
@@ -13,46 +13,14 @@ use serde_json::Value;
 
 const KINDS: [&str; 4] = ["rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables"];
 
-fn program(arguments: &[&str]) -> Value {
-    let done = Command::cargo_bin("paracal").unwrap().args(arguments).arg("--json").output().unwrap();
-    let code = done.status.code().unwrap();
-    let (said, shown) = (String::from_utf8_lossy(&done.stderr), String::from_utf8_lossy(&done.stdout));
-    assert_eq!(code, 0, "{arguments:?}: {said} {}", &shown[shown.len().saturating_sub(3000)..]);
-    serde_json::from_slice(&done.stdout).unwrap()
-}
-
-struct Run {
-    folder: tempfile::TempDir,
-    mechanism: String,
-}
-
-impl Run {
-    fn new(kind: &str) -> Self {
-        Self { folder: tempfile::tempdir().unwrap(), mechanism: path(&format!("mechanisms/{kind}.toml")) }
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.folder.path().join(name).to_str().unwrap().into()
-    }
-
-    /// Poses, data of a mechanism with drawn errors, and that mechanism.
-    fn simulated(&self, n: &str) {
-        let (poses, data, truth) = (self.file("poses.csv"), self.file("data.csv"), self.file("truth.toml"));
-        let chosen = program(&["select", &self.mechanism, "-n", n, "--candidates", "300", "-o", &poses]);
-        assert!(chosen["efficiency"].as_f64().unwrap() > 0.9, "{chosen}");
-        program(&[
-            "simulate",
-            &self.mechanism,
-            "--poses",
-            &poses,
-            "--error-sd",
-            "0.1mm",
-            "-o",
-            &data,
-            "--truth",
-            &truth,
-        ]);
-    }
+/// A folder with the bundled file of a kind as `m.toml`, poses, data of a mechanism with drawn errors, and that
+/// mechanism.
+fn simulated(kind: &str, n: usize) -> Bench {
+    let bench = Bench::empty().with("m.toml", text(&format!("mechanisms/{kind}.toml")));
+    let chosen = bench.json(&format!("select m.toml -n {n} --candidates 300 -o poses.csv"));
+    assert!(chosen["efficiency"].as_f64().unwrap() > 0.9, "{chosen}");
+    bench.done("simulate m.toml --poses poses.csv --error-sd 0.1mm -o data.csv --truth truth.toml");
+    bench
 }
 
 /// Largest distance between where the platform should be and where the true mechanism goes, in the coordinates that
@@ -75,29 +43,27 @@ fn joints_of(compensated: &Value) -> Vec<Vec<f64>> {
 #[test]
 fn every_kind_goes_from_poses_to_commands() {
     for kind in KINDS {
-        let run = Run::new(kind);
-        run.simulated("24");
-        let (data, calibrated) = (run.file("data.csv"), run.file("calibrated.toml"));
-        let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+        let bench = simulated(kind, 24);
+        let result = bench.json("calibrate m.toml data.csv -o calibrated.toml");
         assert_eq!(result["trusted"], true, "{kind}: {result}");
         let (before, after) = (&result["rms_before"]["position_m"], &result["rms_after"]["position_m"]);
         assert!(after.as_f64().unwrap() < 0.5 * before.as_f64().unwrap(), "{kind}: {before} -> {after}");
         // The file that was written reproduces what was printed.
-        let again = program(&["evaluate", &calibrated, &data]);
+        let again = bench.json("evaluate calibrated.toml data.csv");
         let same = again["rms"]["position_m"].as_f64().unwrap() / after.as_f64().unwrap();
         assert!((same - 1.0).abs() < 1e-6, "{kind}: {same}");
         // Commands of the calibrated mechanism bring the true one nearer to the poses than those of the drawing.
-        let truth = Machine::read(run.file("truth.toml")).unwrap();
-        let machine = Machine::read(&run.mechanism).unwrap();
+        let truth = Machine::read(bench.at("truth.toml")).unwrap();
+        let machine = Machine::read(bench.at("m.toml")).unwrap();
         let wanted: Vec<Pose> =
-            read_poses(run.file("poses.csv"), &machine).unwrap().into_iter().map(|l| l.pose).collect();
-        let out = run.file("commands.csv");
-        let better = joints_of(&program(&["compensate", &calibrated, &run.file("poses.csv"), "-o", &out]));
-        let worse = joints_of(&program(&["compensate", &run.mechanism, &run.file("poses.csv"), "-o", &out]));
+            read_poses(bench.at("poses.csv"), &machine).unwrap().into_iter().map(|l| l.pose).collect();
+        let joints =
+            |mechanism: &str| joints_of(&bench.json(&format!("compensate {mechanism} poses.csv -o commands.csv")));
+        let (better, worse) = (joints("calibrated.toml"), joints("m.toml"));
         let (better, worse) =
             (missed(truth.mechanism.as_ref(), &wanted, &better), missed(truth.mechanism.as_ref(), &wanted, &worse));
         assert!(better < 0.4 * worse, "{kind}: {worse:.1e} -> {better:.1e}");
-        let seen = program(&["inspect", &calibrated]);
+        let seen = bench.json("inspect calibrated.toml");
         assert_eq!(seen["joints"].as_array().unwrap().len(), machine.mechanism.joints().len());
     }
 }
@@ -105,17 +71,16 @@ fn every_kind_goes_from_poses_to_commands() {
 #[test]
 fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
     for kind in KINDS {
-        let run = Run::new(kind);
-        run.simulated("30");
-        let nominal = Machine::read(&run.mechanism).unwrap();
-        let truth = Machine::read(run.file("truth.toml")).unwrap();
+        let bench = simulated(kind, 30);
+        let nominal = Machine::read(bench.at("m.toml")).unwrap();
+        let truth = Machine::read(bench.at("truth.toml")).unwrap();
         let tracker = Pose::from_coordinates(&[4.0, -2.5, 1.0, 0.4, -0.3, 2.1]);
         let target = Pose::from_coordinates(&[0.1, 0.05, -0.08, 0.2, 0.1, -0.3]);
         let at = Conditions::unknown();
         let (n, t) = (nominal.mechanism.as_ref(), truth.mechanism.as_ref());
         let names: Vec<String> = n.joints().iter().map(|j| format!("{}_{}", j.name, j.dimension.si())).collect();
         let mut text = format!("{},x_m,y_m,z_m,rx_rad,ry_rad,rz_rad\n", names.join(","));
-        let poses = read_poses(run.file("poses.csv"), &nominal).unwrap();
+        let poses = read_poses(bench.at("poses.csv"), &nominal).unwrap();
         for pose in poses.iter().map(|l| &l.pose) {
             let commanded = n.inverse(n.values(), pose, &at).unwrap();
             let went = t.forward(t.values(), &commanded, &at, pose).unwrap();
@@ -125,9 +90,8 @@ fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
             let cells: Vec<String> = joints.iter().chain(&seen).map(|v| format!("{v:e}")).collect();
             text += &(cells.join(",") + "\n");
         }
-        let (data, calibrated) = (run.file("tracker.csv"), run.file("calibrated.toml"));
-        std::fs::write(&data, text).unwrap();
-        let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+        bench.write("tracker.csv", text);
+        let result = bench.json("calibrate m.toml tracker.csv -o calibrated.toml");
         assert_eq!(result["frames"]["registered"], true, "{kind}");
         let turned = Pose::from_coordinates(&std::array::from_fn(|k| {
             result["frames"]["base"][if k < 3 { "position_m" } else { "rotation_rad" }][k % 3].as_f64().unwrap()
@@ -141,7 +105,7 @@ fn exact_data_in_a_frame_of_their_own_give_the_mechanism_back() {
         // What tells tracker and target of a delta apart is hardly larger than the noise.
         let most = if kind == "linear-delta" { 1.5 } else { 0.5 };
         assert!(after < most * noise, "{kind}: {after:.1e}");
-        let again = program(&["evaluate", &calibrated, &data]);
+        let again = bench.json("evaluate calibrated.toml tracker.csv");
         let again = again["rms"]["position_m"].as_f64().unwrap();
         assert!((again - after).abs() < 1e-9, "{kind}: {again:.3e} {after:.3e}");
     }
@@ -166,22 +130,9 @@ fn bundled_kinds_conform_and_survive_their_own_writer() {
 
 #[test]
 fn a_delta_is_calibrated_by_touching_a_plane() {
-    let run = Run::new("linear-delta");
-    run.simulated("40");
-    let (poses, data, calibrated) = (run.file("poses.csv"), run.file("touches.csv"), run.file("calibrated.toml"));
-    program(&[
-        "simulate",
-        &run.mechanism,
-        "--poses",
-        &poses,
-        "--error-sd",
-        "0.1mm",
-        "-o",
-        &data,
-        "--measure",
-        "contact",
-    ]);
-    let result = program(&["calibrate", &run.mechanism, &data, "-o", &calibrated]);
+    let bench = simulated("linear-delta", 40);
+    bench.done("simulate m.toml --poses poses.csv --error-sd 0.1mm -o touches.csv --measure contact");
+    let result = bench.json("calibrate m.toml touches.csv -o calibrated.toml");
     assert_eq!(result["trusted"], true, "{result}");
     let after = result["rms_after"]["position_m"].as_f64().unwrap();
     assert!(after < 3e-5 && after < 0.5 * result["rms_before"]["position_m"].as_f64().unwrap(), "{after:.1e}");
@@ -190,17 +141,9 @@ fn a_delta_is_calibrated_by_touching_a_plane() {
 
 /// Changes one line of a bundled file and expects the refusal to say these things.
 fn refused(kind: &str, from: &str, to: &str, expected: &[&str]) {
-    let text = std::fs::read_to_string(path(&format!("mechanisms/{kind}.toml"))).unwrap();
+    let text = text(&format!("mechanisms/{kind}.toml"));
     assert!(text.contains(from), "{kind} has no {from}");
-    let folder = tempfile::tempdir().unwrap();
-    let file: PathBuf = folder.path().join("m.toml");
-    std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
-    let done = Command::cargo_bin("paracal").unwrap().arg("inspect").arg(&file).output().unwrap();
-    let said = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert_eq!(done.status.code(), Some(2), "{to}: {said}");
-    for part in expected {
-        assert!(said.contains(part), "{to}: '{part}' is missing in: {said}");
-    }
+    Bench::empty().with("m.toml", text.replacen(from, to, 1)).refuses("inspect m.toml", expected);
 }
 
 #[test]
@@ -240,4 +183,21 @@ fn what_is_wrong_with_a_kind_is_named() {
     refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
     refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);
+}
+
+#[test]
+fn an_unknown_kind_is_refused_with_the_list() {
+    let known = ["six-hardpoint", "rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables", "pose"];
+    let quoted: Vec<String> = known.iter().map(|kind| format!("\"{kind}\"")).collect();
+    let mut expected = vec!["'tripod-3rrs' is not a kind of mechanism"];
+    expected.extend(quoted.iter().map(String::as_str));
+    refused("tripod-3rps", "\"tripod-3rps\"", "\"tripod-3rrs\"", &expected);
+}
+
+#[test]
+fn parts_of_other_kinds_are_refused() {
+    let cable = "[[cable]]\nsegments = [1]\n\n[home]";
+    refused("tripod-3rps", "[home]", cable, &["[[cable]]", "does not apply to type \"tripod-3rps\"", "delete it"]);
+    let offset = "[offset]\nposition = [1.0, 0.0, 0.0]\n\n[home]";
+    refused("planar-cables", "[home]", offset, &["[offset]", "does not apply to type \"planar-cables\""]);
 }

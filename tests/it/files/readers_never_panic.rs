@@ -12,6 +12,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::common::mutations::mutations;
+use paracal::cli::reproduction::{Journal, JournalError};
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Question, diagnose, settle};
 use paracal::effect::Compensator;
@@ -25,7 +26,7 @@ use paracal::observability::{O1, Scaling};
 use paracal::report::html::{self, Measured, ModelResiduals};
 use paracal::report::{json, text};
 use paracal::selection::{Campaign, Candidates, Objective, SelectionTask, Sources, preview, select_among, selector};
-use paracal::simulation::{Command, Journal, JournalError, draw_parameters, simulate_run};
+use paracal::simulation::{Command, draw_parameters, simulate_run};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use tempfile::TempDir;
@@ -528,7 +529,6 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
             let identifier = identifier(name).unwrap();
             let done = calibrate(mechanism, &data.data, machine.workspace.as_ref(), identifier.as_ref(), &options);
             done.map_or(0, |found| {
-                let shown = text::calibration(&found, mechanism.name(), &data.data.model().describe(), name);
                 let own = found.identification.own_values();
                 let aligned = data_of.with_frames(found.registration.frames);
                 let models = [
@@ -537,7 +537,7 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 ];
                 let models: Vec<ModelResiduals> = models.into_iter().flatten().collect();
                 let measured = Measured { data: data_of, models: &models };
-                let pages = html::calibration(&found, &shown, &subject(machine, found.mechanism.as_ref()), &measured);
+                let pages = html::calibration(&found, &subject(machine, found.mechanism.as_ref()), &measured);
                 let written = machine.document_of(
                     found.mechanism.as_ref(),
                     found.workspace.as_ref(),
@@ -545,11 +545,11 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                     &found.registration.frames,
                 );
                 let written = written.map_or(0, |d| d.to_text().len());
-                written + page(&pages.html()) + json::calibration(&found, name, &[]).to_string().len()
+                written + page(&pages.html()) + json::calibration(&found).to_string().len()
             })
         }
         5 => {
-            let question = Question::of(machine, &data.as_read);
+            let question = Question::of(machine, data_of);
             diagnose(&question).map_or(0, |found| {
                 let plans = settle(&question, &found);
                 let plans = plans.unwrap_or_default();

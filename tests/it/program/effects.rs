@@ -1,20 +1,12 @@
 //! Effects on the command line: simulated, identified, compensated, listed; and what is wrong with a call.
 
 use crate::common;
-
-use std::fs;
-use std::path::Path;
+use crate::common::bench::{Bench, TABLE_5, says};
 
 use paracal::effect::effects_of;
 use paracal::files::{Machine, read_measurement};
 use paracal::identification::evaluate;
 use serde_json::Value;
-use tempfile::TempDir;
-
-/// A folder with a mechanism file and a list of poses in changing conditions.
-struct Bench {
-    folder: TempDir,
-}
 
 const LIST: &str = "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg,note,temp_legs_degC,elevation_deg,payload_kg,time_utc\n";
 
@@ -39,69 +31,27 @@ fn list(rows: usize) -> String {
     text
 }
 
-impl Bench {
-    fn new(further: &str) -> Self {
-        let bench = Self { folder: tempfile::tempdir().unwrap() };
-        bench.file("m.toml", &common::effects::hexapod("", further)).file("p.csv", &list(24))
-    }
-
-    fn file(self, name: &str, text: &str) -> Self {
-        fs::write(self.path().join(name), text).unwrap();
-        self
-    }
-
-    fn path(&self) -> &Path {
-        self.folder.path()
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path().join(name)).unwrap()
-    }
-
-    fn run(&self, words: &[&str]) -> std::process::Output {
-        assert_cmd::cargo::cargo_bin_cmd!("paracal").current_dir(self.path()).args(words).output().unwrap()
-    }
-
-    /// Runs a call that must succeed, and gives its warnings and its JSON.
-    #[track_caller]
-    fn done(&self, words: &[&str]) -> (String, Value) {
-        let out = self.run(&[words, &["--json"]].concat());
-        let warnings = String::from_utf8(out.stderr).unwrap();
-        assert_eq!(out.status.code(), Some(0), "{words:?}: {warnings}");
-        (warnings, serde_json::from_slice(&out.stdout).unwrap())
-    }
-
-    #[track_caller]
-    fn refused(&self, words: &[&str], parts: &[&str]) {
-        let before = fs::read_dir(self.path()).unwrap().count();
-        let out = self.run(words);
-        let message = String::from_utf8(out.stderr).unwrap();
-        assert_eq!(out.status.code(), Some(2), "{words:?}: {message}");
-        says(&message, parts);
-        assert_eq!(fs::read_dir(self.path()).unwrap().count(), before, "something was written");
-    }
-
-    fn simulated(&self, effects: &[&str]) -> (String, Value) {
-        let mut words = vec!["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--truth", "t.toml"];
-        words.extend(["--error-sd", "0.3mm", "--noise-position", "0um", "--noise-rotation", "0deg"]);
-        effects.iter().for_each(|e| words.extend(["--effect", e]));
-        self.done(&words)
-    }
-
-    /// Largest errors of a model on data, m and rad.
-    fn errors(&self, mechanism: &str, data: &str) -> (f64, f64) {
-        let machine = Machine::read(self.path().join(mechanism)).unwrap();
-        let data = read_measurement(self.path().join(data), &machine).unwrap().data;
-        let largest = evaluate(machine.mechanism.as_ref(), &[], &data).unwrap().max();
-        (largest.position.unwrap(), largest.rotation.unwrap())
-    }
+/// A folder with a mechanism file and a list of poses in changing conditions.
+fn with_poses(further: &str) -> Bench {
+    Bench::empty().with("m.toml", common::effects::hexapod("", further)).with("p.csv", list(24))
 }
 
-#[track_caller]
-fn says(message: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(message.contains(part), "'{part}' is not in: {message}");
-    }
+fn simulated(bench: &Bench, effects: &[&str]) -> (Value, String) {
+    let mut words: Vec<&str> = "simulate m.toml --poses p.csv -o d.csv --truth t.toml --error-sd 0.3mm \
+                                --noise-position 0um --noise-rotation 0deg"
+        .split(' ')
+        .filter(|word| !word.is_empty())
+        .collect();
+    effects.iter().for_each(|e| words.extend(["--effect", e]));
+    bench.json_and_warnings(&words[..])
+}
+
+/// Largest errors of a model on data, m and rad.
+fn errors(bench: &Bench, mechanism: &str, data: &str) -> (f64, f64) {
+    let machine = Machine::read(bench.at(mechanism)).unwrap();
+    let data = read_measurement(bench.at(data), &machine).unwrap().data;
+    let largest = evaluate(machine.mechanism.as_ref(), &[], &data).unwrap().max();
+    (largest.position.unwrap(), largest.rotation.unwrap())
 }
 
 const SCALES: &str = "scale.per_leg=1e-3,-5e-4,8e-4,0,-1.2e-3,6e-4";
@@ -117,31 +67,31 @@ const EVERYTHING: [&str; 7] = [
 
 #[test]
 fn a_simulated_truth_explains_its_own_data() {
-    let bench = Bench::new("");
+    let bench = with_poses("");
     let effects =
         [&EVERYTHING[..], &["drift.leg[leg=3]=4e-5", "step.frame[row=12]=1e-5,0,0,0,0,2e-5", "sag.frame=5e-5,2e-5"]]
             .concat();
-    let (warnings, shown) = bench.simulated(&effects);
+    let (shown, warnings) = simulated(&bench, &effects);
     says(&warnings, &["are the means of p.csv: temp_legs", "note"]);
     assert_eq!(shown["effects"].as_array().unwrap().len(), 10);
     // The conditions are in the data as they stood in the list; remarks are not.
-    let (data, poses) = (bench.read("d.csv"), bench.read("p.csv"));
+    let (data, poses) = (bench.text("d.csv"), bench.text("p.csv"));
     let header: Vec<&str> = data.lines().nth(1).unwrap().split(',').collect();
     assert_eq!(header[12..], ["temp_legs_degC", "elevation_deg", "payload_kg", "time_utc"]);
     for (there, here) in data.lines().skip(2).zip(poses.lines().skip(1)) {
         let last = |line: &str| line.rsplitn(5, ',').take(4).map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(last(there), last(here));
     }
-    let (position, rotation) = bench.errors("t.toml", "d.csv");
+    let (position, rotation) = errors(&bench, "t.toml", "d.csv");
     assert!(position < 1e-12 && rotation < 1e-12, "{position:e} m, {rotation:e} rad");
     // Each effect matters: without it the truth does not fit.
-    let truth = bench.read("t.toml");
-    let whole = Machine::read(bench.path().join("t.toml")).unwrap();
+    let truth = bench.text("t.toml");
+    let whole = Machine::read(bench.at("t.toml")).unwrap();
     for k in 0..whole.document().effects.len() {
         let mut document = whole.document().clone();
         let removed = document.effects.remove(k);
-        fs::write(bench.path().join("part.toml"), document.to_text()).unwrap();
-        let (position, _) = bench.errors("part.toml", "d.csv");
+        bench.write("part.toml", document.to_text());
+        let (position, _) = errors(&bench, "part.toml", "d.csv");
         assert!(position > 1e-7, "{} does nothing: {position:e} m", removed.name);
     }
     assert!(truth.contains("reference = { temp_legs = "), "{truth}");
@@ -149,38 +99,36 @@ fn a_simulated_truth_explains_its_own_data() {
 
 #[test]
 fn parameter_errors_are_drawn_for_parameters_only() {
-    let bench = Bench::new("");
-    let (_, with) = bench.simulated(&EVERYTHING);
-    let (_, without) = bench.simulated(&[]);
+    let bench = with_poses("");
+    let (with, _) = simulated(&bench, &EVERYTHING);
+    let (without, _) = simulated(&bench, &[]);
     assert_eq!(with["true_values"], without["true_values"]);
-    let truth = |bench: &Bench| Machine::read(bench.path().join("t.toml")).unwrap();
+    let truth = |bench: &Bench| Machine::read(bench.at("t.toml")).unwrap();
     assert!(truth(&bench).effects().is_empty());
-    bench.simulated(&[SCALES]);
+    simulated(&bench, &[SCALES]);
     assert_eq!(effects_of(truth(&bench).mechanism.as_ref())[0].values, [1e-3, -5e-4, 8e-4, 0.0, -1.2e-3, 6e-4]);
 }
 
 #[test]
 fn compensated_commands_lead_the_truth_to_the_poses() {
-    let bench = Bench::new("");
-    bench.simulated(&EVERYTHING);
-    let (warnings, shown) = bench.done(&["compensate", "t.toml", "p.csv", "-o", "l.csv"]);
+    let bench = with_poses("");
+    simulated(&bench, &EVERYTHING);
+    let (shown, warnings) = bench.json_and_warnings("compensate t.toml p.csv -o l.csv");
     assert!(!warnings.contains("left out") && !warnings.contains("not compensated"), "{warnings}");
     assert_eq!(shown["effects"].as_array().unwrap().len(), EVERYTHING.len());
     // The table holds the commands and the wanted poses: as data, the truth has no error on them.
-    let (position, rotation) = bench.errors("t.toml", "l.csv");
+    let (position, rotation) = errors(&bench, "t.toml", "l.csv");
     assert!(position < 1e-9 && rotation < 1e-9, "{position:e} m, {rotation:e} rad");
 }
 
 #[test]
 fn what_the_instrument_sees_is_compensated_in_its_frame() {
-    let bench = Bench::new("");
-    bench.simulated(&[
-        "sag.frame=5e-5,2e-5",
-        "drift.frame=1e-5,0,0,0,0,0",
-        "drift.leg[leg=2]=1e-5",
-        "step.leg[leg=1,row=4]=1e-5",
-    ]);
-    let (warnings, _) = bench.done(&["compensate", "t.toml", "p.csv", "-o", "l.csv"]);
+    let bench = with_poses("");
+    simulated(
+        &bench,
+        &["sag.frame=5e-5,2e-5", "drift.frame=1e-5,0,0,0,0,0", "drift.leg[leg=2]=1e-5", "step.leg[leg=1,row=4]=1e-5"],
+    );
+    let (_, warnings) = bench.json_and_warnings("compensate t.toml p.csv -o l.csv");
     says(&warnings, &["sag.frame is not compensated", "--in-tracker-frame"]);
     for name in
         ["drift.frame is not", "drift.leg[leg=2] is not compensated", "step.leg[leg=1,row=4] is not compensated"]
@@ -188,28 +136,28 @@ fn what_the_instrument_sees_is_compensated_in_its_frame() {
         says(&warnings, &[name]);
     }
     // Without the drifts and the step the tracker reads the wanted poses.
-    let mut document = Machine::read(bench.path().join("t.toml")).unwrap().document().clone();
+    let mut document = Machine::read(bench.at("t.toml")).unwrap().document().clone();
     document.effects.retain(|e| e.name == "sag.frame");
-    fs::write(bench.path().join("sag.toml"), document.to_text()).unwrap();
-    let (warnings, _) = bench.done(&["compensate", "sag.toml", "p.csv", "-o", "s.csv", "--in-tracker-frame"]);
+    bench.write("sag.toml", document.to_text());
+    let (_, warnings) = bench.json_and_warnings("compensate sag.toml p.csv -o s.csv --in-tracker-frame");
     assert!(!warnings.contains("not compensated"), "{warnings}");
-    let (position, rotation) = bench.errors("sag.toml", "s.csv");
+    let (position, rotation) = errors(&bench, "sag.toml", "s.csv");
     assert!(position < 1e-12 && rotation < 1e-12, "{position:e} m, {rotation:e} rad");
-    assert!(bench.errors("sag.toml", "l.csv").0 > 1e-5);
+    assert!(errors(&bench, "sag.toml", "l.csv").0 > 1e-5);
 }
 
 #[test]
 fn conditions_that_are_missing_or_unusual_are_named() {
     let entry = "\n[[effect]]\nname = \"thermal.legs.uniform\"\nparameters = { expansion = 1e-5 }\n\
         range = { temp_legs = [17.0, 19.5] }\nreference = { temp_legs = 18.0 }\n";
-    let bench = Bench::new(entry);
-    let (warnings, shown) = bench.done(&["compensate", "m.toml", "p.csv", "-o", "l.csv"]);
+    let bench = with_poses(entry);
+    let (shown, warnings) = bench.json_and_warnings("compensate m.toml p.csv -o l.csv");
     says(
         &warnings,
         &["thermal.legs.uniform: temp_legs is", "degC in data row", "outside the range 17.0000 to 19.5000 degC"],
     );
     assert!(shown["warnings"].as_array().unwrap().len() >= 2, "{shown}");
-    let poses = bench.read("p.csv");
+    let poses = bench.text("p.csv");
     let cold = poses.lines().map(|line| {
         let mut cells: Vec<&str> = line.split(',').collect();
         if cells[6] == "row 3" || cells[6] == "row 5" {
@@ -217,8 +165,8 @@ fn conditions_that_are_missing_or_unusual_are_named() {
         }
         cells.join(",") + "\n"
     });
-    let bench = Bench::new(entry).file("q.csv", &cold.collect::<String>());
-    let (warnings, _) = bench.done(&["compensate", "m.toml", "q.csv", "-o", "l.csv"]);
+    let bench = with_poses(entry).with("q.csv", cold.collect::<String>());
+    let (_, warnings) = bench.json_and_warnings("compensate m.toml q.csv -o l.csv");
     says(&warnings, &["thermal.legs.uniform is left out in data row 3, 5: it needs temp_legs", "fill in the cells"]);
 }
 
@@ -230,10 +178,10 @@ fn an_extended_model_is_calibrated_and_listed() {
          parameters = {{ shift = 0.0, tilt = 0.0 }}\n",
         zeros.join(", ")
     );
-    let bench = Bench::new("").file("start.toml", &common::effects::hexapod("", &entry));
-    bench.simulated(&[SCALES, "sag.frame=5e-5,2e-5"]);
+    let bench = with_poses("").with("start.toml", common::effects::hexapod("", &entry));
+    simulated(&bench, &[SCALES, "sag.frame=5e-5,2e-5"]);
     let words = ["calibrate", "start.toml", "d.csv", "-o", "c.toml", "--prior", "none"];
-    let (_, shown) = bench.done(&words);
+    let (shown, _) = bench.json_and_warnings(&words);
     let found = |name: &str| {
         let list = if name.starts_with("sag") { "measurement_parameters" } else { "parameters" };
         let all = shown[list].as_array().unwrap();
@@ -241,27 +189,27 @@ fn an_extended_model_is_calibrated_and_listed() {
     };
     assert!((found("scale.per_leg.scale5") + 1.2e-3).abs() < 1e-6);
     assert!((found("sag.frame.shift") - 5e-5).abs() < 1e-6);
-    let (position, rotation) = bench.errors("c.toml", "d.csv");
+    let (position, rotation) = errors(&bench, "c.toml", "d.csv");
     assert!(position < 1e-8 && rotation < 1e-8, "{position:e} m, {rotation:e} rad");
-    let (_, shown) = bench.done(&["inspect", "c.toml"]);
+    let (shown, _) = bench.json_and_warnings("inspect c.toml");
     assert_eq!(shown["effects"][0]["effect"], "scale.per_leg");
     assert_eq!(shown["effects"][1]["effect"], "sag.frame");
     assert_eq!(shown["effects"][1]["parameters"][1]["unit"], "rad");
     assert!(shown["effects"][1]["range"]["elevation"][1].as_f64().unwrap() > 1.0);
-    let text = String::from_utf8(bench.run(&["inspect", "c.toml"]).stdout).unwrap();
+    let text = bench.done("inspect c.toml").out;
     says(
         &text,
         &["Effects:", "scale.per_leg: scale1 1000 ppm", "sag.frame (seen by the instrument only): shift 50.0 um"],
     );
-    assert!(bench.read("c.toml").contains("sigma = { shift = "));
+    assert!(bench.text("c.toml").contains("sigma = { shift = "));
 }
 
 #[test]
 fn wrong_effects_of_a_call_are_named() {
-    let bench = Bench::new("\n[[effect]]\nname = \"scale.common\"\nparameters = { scale = 1e-3 }\n");
+    let bench = with_poses("\n[[effect]]\nname = \"scale.common\"\nparameters = { scale = 1e-3 }\n");
     let simulate = |effect: &str, parts: &[&str]| {
         let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", effect];
-        bench.refused(&words, &[&["--effect", effect][..], parts].concat());
+        bench.refuses(&words, &[&["--effect", effect][..], parts].concat());
     };
     simulate("sag=1", &["'sag' is not an effect", "sag.frame"]);
     simulate("sag.frame=1e-5", &["has 1 of the 2 values", "shift (m), tilt (rad)"]);
@@ -279,8 +227,8 @@ fn wrong_effects_of_a_call_are_named() {
     simulate("sag.linear=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18", &["needs a mechanism of type \"pose\""]);
     simulate("scale.common=1e-3", &["scale.common is stated twice"]);
     let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", "thermal.platform=1e-5"];
-    bench.refused(&words, &["p.csv: data row 0", "thermal.platform needs temp_platform", "add the column"]);
-    let bare = Bench::new("").file("m.toml", &common::text("mechanisms/table5.toml"));
+    bench.refuses(&words, &["p.csv: data row 0", "thermal.platform needs temp_platform", "add the column"]);
+    let bare = with_poses("").with("m.toml", TABLE_5);
     let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", "compliance.payload=1e-8"];
-    bare.refused(&words, &["needs [platform] payload_centre", "state it"]);
+    bare.refuses(&words, &["needs [platform] payload_centre", "state it"]);
 }

@@ -14,8 +14,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use assert_cmd::cargo::cargo_bin_cmd;
-use tempfile::TempDir;
+use crate::common::bench::Bench;
 
 /// What a block of a page asks for; `line` counts from 1.
 #[derive(Debug, PartialEq)]
@@ -120,32 +119,16 @@ struct Printed {
     code: i32,
 }
 
-/// A folder in which a page is followed.
-struct Folder(TempDir);
+/// The bundled files, among which a page is followed.
+struct Folder(Bench);
 
 impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().unwrap());
-        for name in ["mechanisms", "examples/data"] {
-            fs::create_dir_all(folder.path(name)).unwrap();
-            for entry in fs::read_dir(root().join(name)).unwrap() {
-                let from = entry.unwrap().path();
-                fs::copy(&from, folder.path(name).join(from.file_name().unwrap())).unwrap();
-            }
-        }
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     fn read(&self, name: &str) -> Result<String, String> {
-        fs::read_to_string(self.path(name)).map_err(|e| format!("{name}: {e}"))
+        fs::read_to_string(self.0.at(name)).map_err(|e| format!("{name}: {e}"))
     }
 
     fn write(&self, name: &str, text: &str) -> Result<Printed, String> {
-        fs::write(self.path(name), text).map_err(|e| format!("{name}: {e}"))?;
+        fs::write(self.0.at(name), text).map_err(|e| format!("{name}: {e}"))?;
         Ok(Printed::default())
     }
 
@@ -153,8 +136,7 @@ impl Folder {
         let command: Vec<&str> = command.iter().map(String::as_str).collect();
         match command[..] {
             ["paracal", ref args @ ..] => {
-                let output = cargo_bin_cmd!("paracal").current_dir(self.0.path()).args(args).output();
-                let output = output.map_err(|e| e.to_string())?;
+                let output = self.0.run(args);
                 let [out, err] = [output.stdout, output.stderr].map(|b| String::from_utf8_lossy(&b).into_owned());
                 Ok(Printed { out, err, code: output.status.code().unwrap_or(-1) })
             }
@@ -210,7 +192,7 @@ fn lines(text: &str) -> Vec<&str> {
 }
 
 fn follow(page: &str) -> Result<(), String> {
-    let folder = Folder::new();
+    let folder = Folder(Bench::project());
     let steps = steps(page)?;
     if !steps.iter().any(|s| matches!(s, Step::Run { .. })) {
         return Err("a page without a command".into());

@@ -4,6 +4,7 @@ mod bad_input;
 mod command_line;
 mod effects;
 mod guide;
+mod mutated_calls;
 mod reports;
 mod reproduction;
 mod robustness;

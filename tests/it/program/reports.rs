@@ -1,26 +1,13 @@
 //! The pages of `--report`: whole, self-contained, saying what the command says.
 
 use crate::common;
-
-use std::path::Path;
-use std::process::Command;
-
-use assert_cmd::cargo::cargo_bin;
+use crate::common::bench::{Bench, NOISY, TABLE_5};
 use paracal::diagnosis::{JointResiduals, Question, diagnose};
 
-/// Runs the program in the project's folder with `--report`; the page and what was printed.
-fn report(arguments: &[&str], folder: &Path) -> (String, String) {
-    let path = folder.join("report.html");
-    let output = Command::new(cargo_bin!("paracal"))
-        .args(arguments)
-        .arg("--quiet")
-        .arg("--report")
-        .arg(&path)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    (std::fs::read_to_string(path).unwrap(), String::from_utf8(output.stdout).unwrap())
+/// A call with `--report`: the page and what was printed.
+fn report(bench: &Bench, call: &str) -> (String, String) {
+    let printed = bench.done(&format!("{call} --quiet --report report.html"));
+    (bench.text("report.html"), printed.out)
 }
 
 /// One element after the other is closed, nothing runs, nothing is fetched.
@@ -45,11 +32,9 @@ fn whole(page: &str) {
 
 #[test]
 fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("calibrated.toml");
-    let call =
-        ["calibrate", "mechanisms/table5.toml", "examples/data/hardpoint-noisy.csv", "-o", out.to_str().unwrap()];
-    let (page, printed) = report(&call, folder.path());
+    let bench = Bench::project();
+    let call = "calibrate mechanisms/table5.toml examples/data/hardpoint-noisy.csv -o calibrated.toml";
+    let (page, printed) = report(&bench, call);
     whole(&page);
     let last = printed.trim_end().lines().last().unwrap();
     assert!(page.contains(&format!("The result can be trusted. {}", last.replace('>', "&gt;"))), "{last}");
@@ -69,14 +54,14 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
     ] {
         assert!(page.contains(shown), "{shown}");
     }
-    assert!(out.exists());
+    assert!(bench.has("calibrated.toml"));
 }
 
 #[test]
 fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
-    let folder = tempfile::tempdir().unwrap();
-    let call = ["diagnose", "mechanisms/table5-telescope.toml", "examples/data/hardpoint-two-causes.csv"];
-    let (page, printed) = report(&call, folder.path());
+    let bench = Bench::project();
+    let call = "diagnose mechanisms/table5-telescope.toml examples/data/hardpoint-two-causes.csv";
+    let (page, printed) = report(&bench, call);
     whole(&page);
     assert!(printed.contains("NAMED: scale.per_leg and drift.leg at leg 1."));
     for shown in [
@@ -120,10 +105,9 @@ fn a_creeping_leg_is_seen_in_its_strip_and_gone_with_its_cause() {
 
 #[test]
 fn a_choice_is_shown_with_its_bound_and_the_poses() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("poses.csv");
-    let call = ["select", "mechanisms/table5.toml", "-n", "12", "--candidates", "100", "-o", out.to_str().unwrap()];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::project();
+    let call = "select mechanisms/table5.toml -n 12 --candidates 100 -o poses.csv";
+    let (page, _) = report(&bench, call);
     whole(&page);
     for shown in [
         "Measure the 12 poses of",
@@ -139,35 +123,18 @@ fn a_choice_is_shown_with_its_bound_and_the_poses() {
 
 #[test]
 fn an_exhibit_of_the_paper_is_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("paper");
-    let call = [
-        "reproduce",
-        "figure8",
-        "--out",
-        out.to_str().unwrap(),
-        "--draws",
-        "40",
-        "--lists",
-        "3",
-        "--candidates",
-        "200",
-    ];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::project();
+    let (page, _) = report(&bench, "reproduce figure8 --out paper --draws 40 --lists 3 --candidates 200");
     whole(&page);
     assert!(page.contains("figure8: ") && page.contains("40 noise draws"));
 }
 
 #[test]
 fn what_repeats_a_page_holds_the_hash_of_each_input_and_the_seed() {
-    let folder = tempfile::tempdir().unwrap();
-    let data = folder.path().join("it's measured.csv");
     // The hash is what sha256sum says of the bundled file.
-    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
-    let out = folder.path().join("c.toml");
-    let call =
-        ["calibrate", "mechanisms/table5.toml", data.to_str().unwrap(), "-o", out.to_str().unwrap(), "--seed", "7"];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::bundled().with("it's measured.csv", NOISY);
+    bench.done(&["calibrate", "m.toml", "it's measured.csv", "-o", "c.toml", "--seed", "7", "--report", "r.html"]);
+    let page = bench.text("r.html");
     for shown in [
         "0563701c3823dd26331ccde41be664346a73e39dc298708e1bad56168759eb9a",
         "<dt>seed</dt><dd>7</dd>",
@@ -179,30 +146,23 @@ fn what_repeats_a_page_holds_the_hash_of_each_input_and_the_seed() {
 
 #[test]
 fn an_evaluation_is_shown_and_inputs_are_never_written_over() {
-    let folder = tempfile::tempdir().unwrap();
-    let call = ["evaluate", "mechanisms/table5.toml", "examples/data/hardpoint-targets.csv"];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::project();
+    let call = "evaluate mechanisms/table5.toml examples/data/hardpoint-targets.csv";
+    let (page, _) = report(&bench, call);
     whole(&page);
     assert!(page.contains("150 rows"));
-    let copy = folder.path().join("table5.toml");
-    std::fs::copy(common::path("mechanisms/table5.toml"), &copy).unwrap();
-    let before = std::fs::read(&copy).unwrap();
     for command in ["evaluate", "diagnose"] {
-        let data = common::path("examples/data/hardpoint-targets.csv");
-        let output = Command::new(cargo_bin!("paracal"))
-            .args([command, copy.to_str().unwrap(), &data, "--report", copy.to_str().unwrap()])
-            .output()
-            .unwrap();
-        assert_eq!(output.status.code(), Some(2));
-        assert_eq!(std::fs::read(&copy).unwrap(), before);
+        let call = "mechanisms/table5.toml examples/data/hardpoint-targets.csv --report mechanisms/table5.toml";
+        bench.refuses(&format!("{command} {call}"), &["is also an input"]);
+        assert_eq!(bench.text("mechanisms/table5.toml"), TABLE_5);
     }
 }
 
 #[test]
 fn what_the_command_warns_of_stands_on_its_page() {
-    let folder = tempfile::tempdir().unwrap();
-    let call = ["evaluate", "examples/data/secondary-hexapod.toml", "examples/data/secondary-campaign.csv"];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::project();
+    let call = "evaluate examples/data/secondary-hexapod.toml examples/data/secondary-campaign.csv";
+    let (page, _) = report(&bench, call);
     whole(&page);
     assert!(page.contains("The errors are as large as the mechanism"));
     assert!(page.contains("class=\"verdict drawn\""));
@@ -210,19 +170,14 @@ fn what_the_command_warns_of_stands_on_its_page() {
 
 #[test]
 fn a_gross_row_is_marked_and_hides_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let data = folder.path().join("gross.csv");
-    let text = common::text("examples/data/hardpoint-noisy.csv");
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut lines: Vec<String> = NOISY.lines().map(str::to_owned).collect();
     let row = lines.iter().position(|l| l.starts_with("leg1_mm")).unwrap() + 4;
     let mut cells: Vec<String> = lines[row].split(',').map(str::to_owned).collect();
     cells[6] = (cells[6].parse::<f64>().unwrap() + 0.5).to_string();
     lines[row] = cells.join(",");
-    std::fs::write(&data, lines.join("\n")).unwrap();
-    let out = folder.path().join("c.toml");
-    let (data, out) = (data.to_str().unwrap(), out.to_str().unwrap());
-    let call = ["calibrate", "mechanisms/table5.toml", data, "-o", out, "--identifier", "robust"];
-    let (page, _) = report(&call, folder.path());
+    let bench = Bench::new(TABLE_5, lines.join("\n"));
+    let call = "calibrate m.toml d.csv -o c.toml --identifier robust";
+    let (page, _) = report(&bench, call);
     whole(&page);
     let after =
         |name: &str| page.split(&format!("{name}</dt><dd>")).nth(1).unwrap().split('<').next().unwrap().to_owned();
@@ -238,12 +193,10 @@ fn a_gross_row_is_marked_and_hides_nothing() {
 #[test]
 fn a_name_that_is_no_text_is_shown_as_well_as_it_goes() {
     use std::os::unix::ffi::OsStrExt;
-    let folder = tempfile::tempdir().unwrap();
-    let data = folder.path().join(std::ffi::OsStr::from_bytes(b"d\xff.csv"));
-    std::fs::copy(common::path("examples/data/hardpoint-noisy.csv"), &data).unwrap();
-    let page = folder.path().join("page.html");
-    let mut command = Command::new(cargo_bin!("paracal"));
-    command.arg("evaluate").arg(common::path("mechanisms/table5.toml")).arg(&data).arg("--report").arg(&page);
-    assert_eq!(command.output().unwrap().status.code(), Some(0));
-    whole(&std::fs::read_to_string(page).unwrap());
+    let bench = Bench::bundled();
+    let data = std::ffi::OsStr::from_bytes(b"d\xff.csv");
+    std::fs::write(bench.path().join(data), NOISY).unwrap();
+    let mut command = bench.command("evaluate m.toml --report page.html");
+    assert_eq!(command.arg(data).output().unwrap().status.code(), Some(0));
+    whole(&bench.text("page.html"));
 }

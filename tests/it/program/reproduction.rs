@@ -1,17 +1,14 @@
 //! The reproduction of Yu, Wu, Wang 2023 against numbers of an independent reproduction (numpy, linear propagation), and
 //! what a user may rely on: the same bytes after a stop and on any number of threads.
 
-use crate::common;
-
-use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use assert_cmd::cargo::cargo_bin;
-use paracal::reproduction::{
-    Agreement, Comparison, EXHIBITS, Exhibit, ReproductionContext, Settings, page, paper, reproduce,
+use crate::common;
+use crate::common::bench::{Bench, listing};
+use paracal::cli::reproduction::{
+    Agreement, Comparison, EXHIBITS, Exhibit, Journal, ReproductionContext, Settings, page, paper, reproduce,
 };
-use paracal::simulation::Journal;
 
 /// Few draws: enough for the claims that are tested here.
 const QUICK: Settings = Settings { draws: 100, candidates: 2000, lists: 3, seed: 0 };
@@ -229,55 +226,28 @@ fn wrong_settings_are_refused_with_the_number() {
     assert!(EXHIBITS.iter().all(|name| error.contains(name)), "{error}");
 }
 
-/// The program on an exhibit of several parts, with few draws.
-fn program(out: &Path, threads: &str) -> Command {
-    let mut command = Command::new(cargo_bin!("paracal"));
-    command.args([
-        "reproduce",
-        "table8",
-        "--draws",
-        "40",
-        "--lists",
-        "3",
-        "--candidates",
-        "300",
-        "--threads",
-        threads,
-        "--quiet",
-    ]);
-    command.arg("--out").arg(out).stdout(Stdio::null());
-    command
-}
-
-fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|f| f.unwrap())
-        .map(|f| (f.file_name().into_string().unwrap(), std::fs::read(f.path()).unwrap()))
-        .collect();
-    files.sort();
-    files
-}
+/// An exhibit of several parts, with few draws.
+const TABLE_8: &str = "reproduce table8 --draws 40 --lists 3 --candidates 300 --quiet";
 
 #[test]
 fn a_run_that_is_killed_goes_on_to_the_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let (whole, killed) = (folder.path().join("whole"), folder.path().join("killed"));
+    let bench = Bench::empty();
+    let files = |folder: &str| listing(&bench.at(folder));
     let start = Instant::now();
-    assert!(program(&whole, "2").status().unwrap().success());
+    bench.done(&format!("{TABLE_8} --out whole --threads 2"));
     let lasted = start.elapsed();
-    let names: Vec<String> = files(&whole).into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["table8.csv", "table8.svg", "table8.txt"]);
+    assert_eq!(files("whole").into_keys().collect::<Vec<_>>(), ["table8.csv", "table8.svg", "table8.txt"]);
     // Kill at several places, going on each time; the journal keeps what was done.
+    let go_on = format!("{TABLE_8} --out killed --threads 1");
     let mut kept = 0;
     for _ in 0..4 {
-        let mut run = program(&killed, "1").spawn().unwrap();
+        let mut run = bench.command(&go_on).stdout(Stdio::null()).spawn().unwrap();
         std::thread::sleep((lasted / 4).max(Duration::from_millis(20)));
         run.kill().unwrap();
         run.wait().unwrap();
-        kept += usize::from(files(&killed).iter().any(|(name, _)| name.starts_with("unfinished-table8-40-300-3-0")));
+        kept += usize::from(files("killed").keys().any(|name| name.starts_with("unfinished-table8-40-300-3-0")));
     }
     assert!(kept > 0, "no run was stopped in the middle");
-    assert!(program(&killed, "1").status().unwrap().success());
-    assert_eq!(files(&killed), files(&whole));
+    bench.done(&go_on);
+    assert!(files("killed") == files("whole"));
 }

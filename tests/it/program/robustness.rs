@@ -2,81 +2,36 @@
 //!
 //! `PARACAL_KILLS=500 cargo test --test it robustness` kills each command that often instead of 24 times.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
+use crate::common::bench::{Bench, Listing, NOISY, TABLE_5, listing};
 use crate::common::text;
-use tempfile::TempDir;
 
 /// Content of every output before a run that is killed.
 const OLD: &[u8] = b"what was here before\n";
 
 /// A folder with the files that the calls below name.
-struct Bench {
-    folder: TempDir,
+fn bench() -> Bench {
+    let rows = |n: usize, skip: usize| -> String {
+        NOISY.lines().take(n).map(|l| l.split(',').skip(skip).collect::<Vec<_>>().join(",") + "\n").collect()
+    };
+    Bench::bundled()
+        .with("w.toml", text("mechanisms/table5-telescope.toml"))
+        .with("w.csv", text("examples/data/hardpoint-two-causes.csv"))
+        .with("p.csv", rows(21, 6))
+        .with("few.csv", rows(4, 6))
 }
 
-type Listing = BTreeMap<String, Vec<u8>>;
+fn started(bench: &Bench, call: &str) -> Child {
+    bench.command(call).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
 
-impl Bench {
-    fn new() -> Self {
-        let bench = Self { folder: tempfile::tempdir().unwrap() };
-        let data = text("examples/data/hardpoint-noisy.csv");
-        let rows = |n: usize, skip: usize| -> String {
-            data.lines().take(n).map(|l| l.split(',').skip(skip).collect::<Vec<_>>().join(",") + "\n").collect()
-        };
-        bench.write("m.toml", text("mechanisms/table5.toml"));
-        bench.write("w.toml", text("mechanisms/table5-telescope.toml"));
-        bench.write("w.csv", text("examples/data/hardpoint-two-causes.csv"));
-        bench.write("p.csv", rows(21, 6));
-        bench.write("few.csv", rows(4, 6));
-        bench.write("d.csv", data);
-        bench
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        fs::write(self.path(name), content).unwrap();
-    }
-
-    fn command(&self, call: &str) -> Command {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("paracal"));
-        command.current_dir(self.folder.path()).args(call.split_whitespace()).stdin(Stdio::null());
-        command
-    }
-
-    fn run(&self, call: &str) -> Output {
-        self.command(call).output().unwrap()
-    }
-
-    /// Runs a call to its end and gives what it wrote on standard output.
-    fn done(&self, call: &str) -> Vec<u8> {
-        let output = self.run(call);
-        assert_eq!(output.status.code(), Some(0), "{call}: {}", String::from_utf8_lossy(&output.stderr));
-        output.stdout
-    }
-
-    fn start(&self, call: &str) -> Child {
-        self.command(call).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
-    }
-
-    /// Names and contents of the files in a folder.
-    fn listing(folder: &Path) -> Listing {
-        let files = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).filter(|p| p.is_file());
-        // A file that a running process gives its name between two looks is at neither.
-        files.filter_map(|p| Some((p.file_name()?.to_str()?.to_owned(), fs::read(&p).ok()?))).collect()
-    }
-
-    fn temporary_files(&self) -> Vec<PathBuf> {
-        let names = Self::listing(self.folder.path()).into_keys();
-        names.filter(|n| n.starts_with(".paracal-") && n.ends_with(".part")).map(|n| self.path(&n)).collect()
-    }
+fn temporary_files(bench: &Bench) -> Vec<PathBuf> {
+    let names = bench.listing().into_keys();
+    names.filter(|n| n.starts_with(".paracal-") && n.ends_with(".part")).map(|n| bench.at(&n)).collect()
 }
 
 /// How often each command is killed.
@@ -89,8 +44,8 @@ fn kill(bench: &Bench, mut child: Child, k: u32, whole: Duration) {
     if k.is_multiple_of(2) {
         std::thread::sleep(whole.mul_f64(1.1 * f64::from(k) / f64::from(kills())));
     } else {
-        let before = bench.temporary_files().len();
-        while child.try_wait().unwrap().is_none() && bench.temporary_files().len() == before {}
+        let before = temporary_files(bench).len();
+        while child.try_wait().unwrap().is_none() && temporary_files(bench).len() == before {}
     }
     // It may be done already.
     let _ = child.kill();
@@ -108,24 +63,23 @@ fn a_run_that_is_killed_leaves_the_old_or_the_new_file() {
         ("evaluate m.toml d.csv --report r.html", &["r.html"]),
         ("diagnose m.toml d.csv -o o.toml --report r.html", &["o.toml", "r.html"]),
     ] {
-        let bench = Bench::new();
-        let inputs = Bench::listing(bench.folder.path());
+        let bench = bench();
+        let inputs = bench.listing();
         let start = Instant::now();
         bench.done(call);
         let whole = start.elapsed();
-        let new: Listing =
-            Bench::listing(bench.folder.path()).into_iter().filter(|(n, _)| outputs.contains(&n.as_str())).collect();
+        let new: Listing = bench.listing().into_iter().filter(|(n, _)| outputs.contains(&n.as_str())).collect();
         assert_eq!(new.len(), outputs.len(), "{call}");
         for k in 0..kills() {
             // Every third time nothing was there before.
             for name in outputs {
-                let _ = fs::remove_file(bench.path(name));
+                let _ = fs::remove_file(bench.at(name));
                 if k % 3 > 0 {
                     bench.write(name, OLD);
                 }
             }
-            kill(&bench, bench.start(call), k, whole);
-            for (name, content) in Bench::listing(bench.folder.path()) {
+            kill(&bench, started(&bench, call), k, whole);
+            for (name, content) in bench.listing() {
                 if let Some(whole) = new.get(&name) {
                     let old = k % 3 > 0 && content == OLD;
                     assert!(old || content == *whole, "{call}: {name} is neither old nor new after kill {k}");
@@ -138,16 +92,16 @@ fn a_run_that_is_killed_leaves_the_old_or_the_new_file() {
         }
         // Files that killed runs left behind disturb no later run, and an hour later the next one removes them.
         let long_ago = SystemTime::now() - Duration::from_secs(4000);
-        let left = bench.temporary_files();
+        let left = temporary_files(&bench);
         println!("{call}: {} temporary files left by {} kills", left.len(), kills());
         bench.write(".paracal-0-0.part", "of a process that never was");
-        for path in left.iter().chain(&bench.temporary_files()) {
+        for path in left.iter().chain(&temporary_files(&bench)) {
             fs::File::options().write(true).open(path).unwrap().set_modified(long_ago).unwrap();
         }
         bench.done(call);
         let mut expected = inputs.clone();
         expected.extend(new);
-        assert!(Bench::listing(bench.folder.path()) == expected, "{call}");
+        assert!(bench.listing() == expected, "{call}");
     }
 }
 
@@ -156,24 +110,24 @@ const LITTLE: &str = "--draws 40 --lists 3 --candidates 200";
 
 #[test]
 fn a_reproduction_that_is_killed_goes_on_to_the_same_files() {
-    let bench = Bench::new();
+    let bench = bench();
     let start = Instant::now();
     bench.done(&format!("reproduce figure9 --out lone {LITTLE}"));
-    let (whole, lone) = (start.elapsed(), Bench::listing(&bench.path("lone")));
+    let (whole, lone) = (start.elapsed(), listing(&bench.at("lone")));
     assert!(lone.contains_key("figure9.csv"));
     let call = format!("reproduce figure9 --out killed {LITTLE}");
     for k in 0..kills().div_ceil(4) {
-        let mut child = bench.start(&call);
+        let mut child = started(&bench, &call);
         std::thread::sleep(whole.mul_f64(f64::from(k + 1) / f64::from(kills().div_ceil(4) + 2)));
         let _ = child.kill();
         child.wait().unwrap();
-        for (name, content) in Bench::listing(&bench.path("killed")) {
+        for (name, content) in listing(&bench.at("killed")) {
             let passing = name.ends_with(".journal") || name.ends_with(".part");
             assert!(passing || lone.get(&name) == Some(&content), "{name} after kill {k}");
         }
     }
     bench.done(&call);
-    let done = Bench::listing(&bench.path("killed")).into_iter().filter(|(name, _)| !name.ends_with(".part"));
+    let done = listing(&bench.at("killed")).into_iter().filter(|(name, _)| !name.ends_with(".part"));
     assert!(done.collect::<Listing>() == lone);
 }
 
@@ -187,13 +141,14 @@ fn ten_runs_beside_each_other_do_not_disturb_each_other() {
         ("convert m.toml -o", "urdf"),
         ("diagnose m.toml d.csv -o", "toml"),
     ] {
-        let bench = Bench::new();
-        let mut expected = Bench::listing(bench.folder.path());
+        let bench = bench();
+        let mut expected = bench.listing();
         bench.done(&format!("{call} lone.{ending}"));
-        let lone = fs::read(bench.path(&format!("lone.{ending}"))).unwrap();
-        let side = fs::read(bench.path("lone.toml")).ok().filter(|_| ending == "urdf");
+        let lone = fs::read(bench.at(&format!("lone.{ending}"))).unwrap();
+        let side = fs::read(bench.at("lone.toml")).ok().filter(|_| ending == "urdf");
         let names: Vec<String> = (0..10).map(|k| if k < 5 { "same".into() } else { format!("own{k}") }).collect();
-        let children: Vec<Child> = names.iter().map(|name| bench.start(&format!("{call} {name}.{ending}"))).collect();
+        let children: Vec<Child> =
+            names.iter().map(|name| started(&bench, &format!("{call} {name}.{ending}"))).collect();
         for mut child in children {
             assert_eq!(child.wait().unwrap().code(), Some(0), "{call}");
         }
@@ -203,7 +158,7 @@ fn ten_runs_beside_each_other_do_not_disturb_each_other() {
                 expected.insert(format!("{name}.toml"), side.clone());
             }
         }
-        let found = Bench::listing(bench.folder.path());
+        let found = bench.listing();
         assert_eq!(found.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{call}");
         let torn: Vec<&String> = found.keys().filter(|name| found[*name] != expected[*name]).collect();
         assert!(torn.is_empty(), "{call}: {torn:?}");
@@ -212,22 +167,22 @@ fn ten_runs_beside_each_other_do_not_disturb_each_other() {
 
 #[test]
 fn reproductions_into_one_folder_do_not_disturb_each_other() {
-    let bench = Bench::new();
+    let bench = bench();
     let calls = ["figure8", "figure9", "figure6"].map(|name| format!("reproduce {name} {LITTLE} --out"));
     calls.iter().for_each(|call| drop(bench.done(&format!("{call} lone"))));
-    let children: Vec<Child> = (0..10).map(|k| bench.start(&format!("{} together", calls[k % 3]))).collect();
+    let children: Vec<Child> = (0..10).map(|k| started(&bench, &format!("{} together", calls[k % 3]))).collect();
     for mut child in children {
         assert_eq!(child.wait().unwrap().code(), Some(0));
     }
     // Neither a journal nor a temporary file is left.
-    let (lone, together) = (Bench::listing(&bench.path("lone")), Bench::listing(&bench.path("together")));
+    let (lone, together) = (listing(&bench.at("lone")), listing(&bench.at("together")));
     assert_eq!(together.keys().collect::<Vec<_>>(), lone.keys().collect::<Vec<_>>());
     assert!(together == lone);
 }
 
 /// What a run printed and wrote, without the time that it took and without the call itself.
 fn traces(bench: &Bench, call: &str, threads: &str) -> (String, Listing) {
-    let out = bench.path("out");
+    let out = bench.at("out");
     let _ = fs::remove_dir_all(&out);
     fs::create_dir(&out).unwrap();
     let output = bench.run(&format!("{call} --threads {threads}"));
@@ -240,7 +195,7 @@ fn traces(bench: &Bench, call: &str, threads: &str) -> (String, Listing) {
         shown = object.to_string();
     }
     let timeless: Vec<&str> = shown.lines().filter(|l| !(l.contains("written to") && l.contains(" s"))).collect();
-    let mut files = Bench::listing(&out);
+    let mut files = listing(&out);
     for (_, content) in files.iter_mut().filter(|(name, _)| name.ends_with(".html")) {
         let page = String::from_utf8(std::mem::take(content)).unwrap();
         *content = page.replace(&format!("--threads {threads}"), "--threads").into_bytes();
@@ -251,7 +206,7 @@ fn traces(bench: &Bench, call: &str, threads: &str) -> (String, Listing) {
 
 #[test]
 fn one_thread_and_two_give_the_same_bytes() {
-    let bench = Bench::new();
+    let bench = bench();
     let small = "-n 8 --candidates 40 --no-corners -o out/p.csv";
     let mut calls: Vec<(String, usize)> = [
         ("inspect m.toml", 0),
@@ -297,7 +252,7 @@ const STRANGE: &str = "<script>alert(1)</script>&\"'\u{1f980},\t]]>";
 
 #[test]
 fn strange_names_are_escaped_wherever_they_are_written() {
-    let bench = Bench::new();
+    let bench = bench();
     let plain = text("mechanisms/table5-telescope.toml");
     let (first, rest) = plain.split_once("name = ").unwrap();
     let (_, rest) = rest.split_once('\n').unwrap();
@@ -319,39 +274,34 @@ fn strange_names_are_escaped_wherever_they_are_written() {
     ] {
         let output = bench.run(call);
         assert!(matches!(output.status.code(), Some(0 | 3)), "{call}: {}", String::from_utf8_lossy(&output.stderr));
-        let page = fs::read_to_string(bench.path("r.html")).unwrap();
+        let page = bench.text("r.html");
         assert!(page.contains("&lt;script&gt;") && page.contains("&lt;b&gt;.toml"), "{call}");
         for raw in ["<script", "<b>", "<i>"] {
             assert!(!page.contains(raw), "{call}: {raw} is not escaped");
         }
     }
     // What was written can be read, and has the same name.
-    let seen: serde_json::Value = serde_json::from_slice(&bench.done("convert o.toml -o again.toml --json")).unwrap();
+    let seen = bench.json("convert o.toml -o again.toml");
     assert_eq!(seen["name"], STRANGE);
     bench.done("compensate <b>.toml <i>.csv -o l.csv");
     bench.done("compensate o.toml l.csv -o again.csv --quiet");
     // As a label of each row, as a column, and in the remark above.
-    let table = fs::read_to_string(bench.path("l.csv")).unwrap();
+    let table = bench.text("l.csv");
     let rows = data.lines().filter(|l| !l.starts_with('#')).count() - 1;
     assert_eq!(table.matches("<script>").count(), rows + 2);
 }
 
-/// Refused with 2, in one line on standard error, with these parts, and nothing is written.
+/// Refused in one line.
+#[track_caller]
 fn refused(bench: &Bench, call: &str, parts: &[&str]) {
-    let before = Bench::listing(bench.folder.path());
-    let output = bench.run(call);
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{call}: {message}");
-    assert!(message.starts_with("error: ") && message.trim_end().lines().count() == 1, "{call}: {message}");
-    parts.iter().for_each(|part| assert!(message.contains(part), "{call}: '{part}' is not in {message}"));
-    assert!(output.stdout.is_empty() && Bench::listing(bench.folder.path()) == before, "{call}");
+    let message = bench.refuses(call, parts);
+    assert_eq!(message.trim_end().lines().count(), 1, "{call}: {message}");
 }
 
 #[test]
 fn as_many_rows_as_nobody_measures() {
-    let bench = Bench::new();
-    let data = text("examples/data/hardpoint-noisy.csv");
-    let (header, rows) = data.split_once('\n').unwrap();
+    let bench = bench();
+    let (header, rows) = NOISY.split_once('\n').unwrap();
     bench.write("many.csv", format!("{header}\n{}", rows.repeat(501)));
     for command in ["diagnose", "settle"] {
         refused(
@@ -367,22 +317,21 @@ fn as_many_rows_as_nobody_measures() {
 #[cfg(target_os = "linux")]
 #[test]
 fn places_where_nothing_can_be_written() {
-    let bench = Bench::new();
+    let bench = bench();
     for call in ["compensate m.toml p.csv -o", "calibrate m.toml d.csv -o", "calibrate m.toml d.csv -o o.toml --report"]
     {
         refused(&bench, &format!("{call} /proc/o.toml"), &["/proc/o.toml", "cannot be written", "nothing was written"]);
         refused(&bench, &format!("{call} /dev/full"), &["/dev/full", "cannot be written", "nothing was written"]);
     }
     // A table may go down a pipe; what is said of it follows.
-    let shown = String::from_utf8(bench.done("compensate m.toml few.csv -o /dev/stdout")).unwrap();
+    let shown = bench.done("compensate m.toml few.csv -o /dev/stdout").out;
     assert!(shown.starts_with("# lengths to command") && shown.contains("3 poses: lengths to command"), "{shown}");
 }
 
 /// Numbers whose products overflow came back as a decomposition that never ended.
 #[test]
 fn numbers_beyond_any_machine() {
-    let bench = Bench::new();
-    let (mechanism, data) = (text("mechanisms/table5.toml"), text("examples/data/hardpoint-noisy.csv"));
+    let bench = bench();
     for (from, to, place) in [
         ("anchor = 0.5", "anchor = 1e300", "[tolerance] anchor"),
         ("anchor = 0.5", "anchor = 1e-300", "[tolerance] anchor"),
@@ -391,12 +340,12 @@ fn numbers_beyond_any_machine() {
         ("length = 800.0", "length = 1e31", "leg 1, `length`"),
         ("[1299.170, -348.112, 0.0]", "[1299.170, -1e200, 0.0]", "leg 1, `platform`"),
     ] {
-        assert!(mechanism.contains(from), "{from}");
-        bench.write("x.toml", mechanism.replacen(from, to, 1));
+        assert!(TABLE_5.contains(from), "{from}");
+        bench.write("x.toml", TABLE_5.replacen(from, to, 1));
         refused(&bench, "inspect x.toml", &["x.toml", place, "e", "correct the number"]);
     }
-    let first = data.lines().nth(1).unwrap().split(',').next().unwrap();
-    bench.write("x.csv", data.replacen(first, "1e200", 1));
+    let first = NOISY.lines().nth(1).unwrap().split(',').next().unwrap();
+    bench.write("x.csv", NOISY.replacen(first, "1e200", 1));
     refused(
         &bench,
         "evaluate m.toml x.csv",

@@ -1,69 +1,18 @@
 //! The program with URDF files: every command from a URDF, `convert`, and what is refused.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::process::Output;
-
+use crate::common::bench::{Bench, Printed, TABLE_5};
 use crate::common::urdf_robots::{Style, expected, pairs, robot};
 use serde_json::Value;
-use tempfile::TempDir;
 
-const TABLE_5: &str = include_str!("../../../mechanisms/table5.toml");
 const SIDE: &str = "length_unit = \"mm\"\nangle_unit = \"deg\"\n[workspace]\nposition = [20.0, 20.0, 20.0]\n\
                     rotation = [3.0, 3.0, 3.0]\n[tolerance]\nanchor = 0.5\n[noise]\nposition = 0.001\nrotation = 0.0002\n";
 
-struct Bench(TempDir);
-
-impl Bench {
-    fn new(files: &[(&str, &str)]) -> Self {
-        let bench = Self(tempfile::tempdir().unwrap());
-        files.iter().for_each(|(name, text)| bench.write(name, text));
-        bench
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.0.path().join(name), text).unwrap();
-    }
-
-    fn text(&self, name: &str) -> String {
-        fs::read_to_string(self.0.path().join(name)).unwrap()
-    }
-
-    fn names(&self) -> BTreeSet<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
-        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
-    }
-
-    fn run(&self, call: &str) -> Output {
-        let words = call.split_whitespace();
-        assert_cmd::cargo::cargo_bin_cmd!("paracal").current_dir(self.0.path()).args(words).output().unwrap()
-    }
-
-    /// Requires success and returns standard output and standard error.
-    fn done(&self, call: &str) -> (String, String) {
-        let output = self.run(call);
-        let [out, err] = [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b).into_owned());
-        assert_eq!(output.status.code(), Some(0), "{call}: {err}");
-        (out, err)
-    }
-
-    fn json(&self, call: &str) -> Value {
-        serde_json::from_str(&self.done(&format!("{call} --json")).0).unwrap()
-    }
-
-    /// Requires a refusal with these parts, and that nothing is written.
-    fn refuses(&self, call: &str, parts: &[&str]) {
-        let before = self.names();
-        let output = self.run(call);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{call}: {message}");
-        parts.iter().for_each(|part| assert!(message.contains(part), "{call}: '{part}' is not in {message}"));
-        assert_eq!(before, self.names(), "{call}");
-    }
+fn with_urdf(text: &str) -> Bench {
+    Bench::empty().with("r.urdf", text)
 }
 
 fn bench() -> Bench {
-    Bench::new(&[("r.urdf", &robot(Style::Frames).text()), ("r.toml", SIDE)])
+    with_urdf(&robot(Style::Frames).text()).with("r.toml", SIDE)
 }
 
 #[test]
@@ -75,7 +24,7 @@ fn a_urdf_goes_through_every_command_with_columns_by_joint_name() {
     assert_eq!(names, e.joint.each_ref().map(String::as_str));
     b.done("select r.urdf -o poses.csv -n 20 --candidates 300 --seed 1");
     b.done("simulate r.urdf --poses poses.csv -o data.csv --error-sd 0.2mm --truth truth.urdf --seed 3");
-    assert!(b.names().contains("truth.toml"));
+    assert!(b.has("truth.toml"));
 
     // The same data with joint coordinates instead of lengths.
     let data = b.text("data.csv");
@@ -94,7 +43,7 @@ fn a_urdf_goes_through_every_command_with_columns_by_joint_name() {
         }
         *line = cells.join(",");
     }
-    b.write("joints.csv", &(lines.join("\n") + "\n"));
+    b.write("joints.csv", lines.join("\n") + "\n");
     let by_length = b.json("calibrate r.urdf data.csv -o by_length.toml");
     let by_joint = b.json("calibrate r.urdf joints.csv -o by_joint.toml");
     let value = |r: &Value, k: usize| r["parameters"][k]["value"].as_f64().unwrap();
@@ -122,7 +71,7 @@ fn a_urdf_goes_through_every_command_with_columns_by_joint_name() {
 
 #[test]
 fn the_options_close_what_the_file_leaves_open() {
-    let b = Bench::new(&[("r.urdf", &robot(Style::Pairs).text())]);
+    let b = with_urdf(&robot(Style::Pairs).text());
     let close: String = pairs().iter().map(|[a, b]| format!(" --close {a}={b}")).collect();
     b.refuses("inspect r.urdf", &["NoLoopClosures", "--close strut_A_tip=strut_A_seat"]);
     let seen = b.json(&format!("inspect r.urdf{close}"));
@@ -175,9 +124,9 @@ fn convert_goes_both_ways_and_loses_nothing_silently() {
     let bare = &TABLE_5[..TABLE_5.find("[workspace]").unwrap()];
     let bare = bare.replace("length = 800.0", "length = 800.0\nstroke = [700.0, 900.0]");
     b.write("bare.toml", &bare);
-    let (_, message) = b.done("convert bare.toml -o bare.urdf");
+    let message = b.done("convert bare.toml -o bare.urdf").err;
     assert!(message.contains("has no side file") && b.text("bare.toml") == bare, "{message}");
-    let (_, message) = b.done("inspect bare.urdf");
+    let message = b.done("inspect bare.urdf").err;
     assert!(message.contains("bare.toml is not used") && message.lines().count() == 1, "{message}");
     // A mechanism file that nobody named is not replaced.
     b.write("other.toml", TABLE_5);
@@ -200,7 +149,7 @@ fn convert_goes_both_ways_and_loses_nothing_silently() {
     b.write("delta.toml", delta);
     b.refuses("convert delta.toml -o x.urdf", &["delta.toml", "write .toml"]);
     // A leg without a stroke gets limits, and the side file says that it has none.
-    let (_, message) = b.done("convert m.toml -o loose.urdf");
+    let message = b.done("convert m.toml -o loose.urdf").err;
     assert!(
         message.contains("no leg states a stroke") && b.text("loose.toml").contains("strokes = [[], "),
         "{message}"
@@ -213,16 +162,16 @@ fn every_finding_of_a_file_is_shown_at_once() {
     r.joints.retain(|j| !j.contains("\"drive_c\""));
     let text =
         r.text().replacen("0 0 0.5", "0 0 nan", 1).replacen("strut_B_rod\"/><origin", "strut_B_rot\"/><origin", 1);
-    let b = Bench::new(&[("r.urdf", &text)]);
+    let b = with_urdf(&text);
     b.refuses("inspect r.urdf", &["r.urdf: line ", "NotFinite: joint 'drive_a' axis"]);
-    let b = Bench::new(&[("r.urdf", &text.replacen("0 0 nan", "0 0 1", 1))]);
+    let b = with_urdf(&text.replacen("0 0 nan", "0 0 1", 1));
     b.refuses("inspect r.urdf", &["UnknownLink: joint 'drive_b'", "did you mean 'strut_B_rod'", "SeveralRoots"]);
 }
 
 #[test]
 fn inspect_prints_the_warnings_of_a_file_in_both_places() {
-    let b = Bench::new(&[("r.urdf", &robot(Style::Gazebo).text())]);
-    let (out, err) = b.done("inspect r.urdf");
+    let b = with_urdf(&robot(Style::Gazebo).text());
+    let Printed { out, err } = b.done("inspect r.urdf");
     assert!(out.contains("PlaceTakenAtHome") && err.contains("warning: r.urdf: line "), "{out}{err}");
-    assert!(b.done("inspect r.urdf --quiet").1.is_empty());
+    assert!(b.done("inspect r.urdf --quiet").err.is_empty());
 }

@@ -14,13 +14,15 @@ mod delta_printer;
 mod diagnosis;
 use crate::common::hidden;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use paracal::files::{Machine, read_measurement};
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate};
 
 fn folder(name: &str) -> Option<PathBuf> {
-    let found = std::env::var_os("PARACAL_DATA").map(|root| PathBuf::from(root).join(name)).filter(|p| p.is_dir());
+    // Where a test runs is not its own: another one changes the current folder.
+    let from = |root| Path::new(env!("CARGO_MANIFEST_DIR")).join(root).join(name);
+    let found = std::env::var_os("PARACAL_DATA").map(from).filter(|p| p.is_dir());
     if found.is_none() {
         eprintln!("skipped: PARACAL_DATA does not lead to {name}");
     }

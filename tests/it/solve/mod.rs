@@ -1,3 +1,4 @@
 //! The solvers on the regression problems of NIST.
 
+mod models;
 mod nist_strd;

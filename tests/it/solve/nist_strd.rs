@@ -12,10 +12,7 @@
 //! `data/nist-strd` are NIST's own, unchanged; as works of the United States government they are in the public
 //! domain.
 
-#[path = "models.rs"]
-mod models;
-
-use models::{Gradient, MODELS, Value};
+use super::models::{Gradient, MODELS, Value};
 use paracal::nalgebra::{DMatrix, DVector};
 use paracal::solve::{
     EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, LinearMethod, least_squares,

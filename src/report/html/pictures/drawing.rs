@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{ModelResiduals, round_up};
+use crate::measurement::DataRow;
 use crate::mechanism::{Body, Mechanism, characteristic_length};
 use crate::pose::Pose;
 use crate::report::chart::{Arrow, LineSegment, Scene, Silhouette, Triad};
@@ -26,7 +27,7 @@ pub(in crate::report::html) struct Displacements {
 
 impl Displacements {
     /// The errors of a model, without those of gross rows, beside which no other could be seen.
-    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[usize]) -> Self {
+    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[DataRow]) -> Self {
         let centre = centre(&mechanism.platform_points());
         let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
             let turn = Vector3::new(motion[3], motion[4], motion[5]);
@@ -91,17 +92,7 @@ pub(in crate::report::html) fn drawing(
     for pose in poses {
         scene.outlines.push(outline("platform at the poses", 2, &placed(&drawn(pose), &corners), true));
     }
-    for (leg, from) in &base {
-        let Some((_, to)) = platform.iter().find(|(l, _)| l == leg) else { continue };
-        let stands_out = marked.contains(leg);
-        scene.legs.push(LineSegment {
-            name: if stands_out { "leg with a named cause".into() } else { "leg".into() },
-            colour: if stands_out { 1 } else { 5 },
-            from: (*from).into(),
-            to: home.place(to).into(),
-            label: (leg + 1).to_string(),
-        });
-    }
+    scene.legs = legs(&base, &platform, &home, marked);
     let axes = |pose: &Pose| [0, 1, 2].map(|k| pose.rotation.matrix().column(k).into_owned().into());
     let triad = |label: &str, pose: &Pose| Triad {
         label: label.into(),
@@ -111,29 +102,61 @@ pub(in crate::report::html) fn drawing(
     };
     scene.frames = vec![triad("base", &Pose::identity()), triad("platform", &home)];
     if let Some(errors) = errors {
-        let largest = errors.errors.iter().map(|(_, e)| e.norm()).filter(|e| e.is_finite()).fold(0.0, f64::max);
-        if largest > 0.0 {
-            let magnified = round_up(0.4 * ARROW * size / largest);
-            notes.push(format!(
-                "Arrows are {} times as long as the errors at the centre of the platform, the longest of which is {}.",
-                three_digits(magnified),
-                show_length(largest)
-            ));
-            let centre = centre(&corners);
-            for (pose, error) in &errors.errors {
-                let from = drawn(pose).place(&centre);
-                scene.arrows.push(Arrow {
-                    name: format!("error, {}", errors.name),
-                    colour: 1,
-                    from: from.into(),
-                    to: (from + magnified * error).into(),
-                    tip: show_length(error.norm()),
-                });
-            }
-        }
+        notes.extend(add_arrows(&mut scene, errors, size, &centre(&corners), drawn));
     }
     scene.note = notes.join(" ");
     Some(scene)
+}
+
+/// The legs at home; `marked` ones stand out.
+fn legs(
+    base: &[(usize, Vector3<f64>)],
+    platform: &[(usize, Vector3<f64>)],
+    home: &Pose,
+    marked: &[usize],
+) -> Vec<LineSegment> {
+    let leg = |(leg, from): &(usize, Vector3<f64>)| {
+        let (_, to) = platform.iter().find(|(l, _)| l == leg)?;
+        let stands_out = marked.contains(leg);
+        Some(LineSegment {
+            name: if stands_out { "leg with a named cause".into() } else { "leg".into() },
+            colour: if stands_out { 1 } else { 5 },
+            from: (*from).into(),
+            to: home.place(to).into(),
+            label: (leg + 1).to_string(),
+        })
+    };
+    base.iter().filter_map(leg).collect()
+}
+
+/// Adds an arrow for each error, where `drawn` puts the pose, and says how long they are drawn.
+fn add_arrows(
+    scene: &mut Scene,
+    errors: &Displacements,
+    size: f64,
+    centre: &Vector3<f64>,
+    drawn: impl Fn(&Pose) -> Pose,
+) -> Option<String> {
+    let largest = errors.errors.iter().map(|(_, e)| e.norm()).filter(|e| e.is_finite()).fold(0.0, f64::max);
+    if !(largest > 0.0) {
+        return None;
+    }
+    let magnified = round_up(0.4 * ARROW * size / largest);
+    for (pose, error) in &errors.errors {
+        let from = drawn(pose).place(centre);
+        scene.arrows.push(Arrow {
+            name: format!("error, {}", errors.name),
+            colour: 1,
+            from: from.into(),
+            to: (from + magnified * error).into(),
+            tip: show_length(error.norm()),
+        });
+    }
+    Some(format!(
+        "Arrows are {} times as long as the errors at the centre of the platform, the longest of which is {}.",
+        three_digits(magnified),
+        show_length(largest)
+    ))
 }
 
 fn outline(name: &str, colour: usize, points: &[Vector3<f64>], thin: bool) -> Silhouette {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{ARCSECONDS, GROSS, MICROMETRES};
-use crate::measurement::{Dataset, Sample};
+use crate::measurement::{DataRow, Dataset, Sample};
 use crate::mechanism::JointSpec;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 use crate::units::Dimension;
@@ -15,7 +15,7 @@ pub(in crate::report::html) struct Layer<'a> {
     /// Index into the palette.
     pub(in crate::report::html) colour: usize,
     /// Data row and residual of each joint, SI.
-    pub(in crate::report::html) residuals: Vec<(usize, &'a [f64])>,
+    pub(in crate::report::html) residuals: Vec<(DataRow, &'a [f64])>,
 }
 
 /// Something over which residuals are drawn.
@@ -35,10 +35,10 @@ pub(in crate::report::html) fn strips(
     data: &Dataset,
     joints: &[JointSpec],
     layers: &[Layer<'_>],
-    marked: &[usize],
+    marked: &[DataRow],
     further: &[&str],
 ) -> Vec<Figure> {
-    let samples: BTreeMap<usize, &Sample> = data.iter().map(|s| (s.row, s)).collect();
+    let samples: BTreeMap<DataRow, &Sample> = data.iter().map(|s| (s.row, s)).collect();
     let changes = |against: &Against| {
         let values = (0..joints.len()).flat_map(|leg| data.iter().filter_map(move |s| (against.of)(s, leg)));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -111,9 +111,11 @@ fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
         true => {
             Against { title: "time".into(), label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) }
         }
-        false => {
-            Against { title: "the data row".into(), label: "data row".into(), of: Box::new(|s, _| Some(s.row as f64)) }
-        }
+        false => Against {
+            title: "the data row".into(),
+            label: "data row".into(),
+            of: Box::new(|s, _| Some(s.row.0 as f64)),
+        },
     };
     let of_joint = joints.first().map_or(Dimension::None, |j| j.dimension);
     let (joint_unit, per_si) = of_joint.in_tables();
@@ -144,7 +146,7 @@ fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
 const FAR: f64 = 8.0;
 
 /// Rows of which a joint lies far from the others of its leg.
-pub(in crate::report::html) fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
+pub(in crate::report::html) fn gross(residuals: &[(DataRow, &[f64])]) -> Vec<DataRow> {
     let joints = residuals.first().map_or(0, |(_, r)| r.len());
     let mut rows = Vec::new();
     for joint in 0..joints {
@@ -163,12 +165,14 @@ pub(in crate::report::html) fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize
 #[cfg(test)]
 mod tests {
     use super::gross;
+    use crate::measurement::DataRow;
 
     #[test]
     fn a_row_far_from_its_neighbours_is_marked() {
         let mut values: Vec<Vec<f64>> = (0..40).map(|k| vec![f64::from(k % 5 - 2), f64::from(k % 3 - 1)]).collect();
         values[7][1] = -30.0;
-        let residuals: Vec<(usize, &[f64])> = values.iter().enumerate().map(|(k, v)| (k + 100, v.as_slice())).collect();
-        assert_eq!(gross(&residuals), [107]);
+        let residuals: Vec<(DataRow, &[f64])> =
+            values.iter().enumerate().map(|(k, v)| (DataRow(k + 100), v.as_slice())).collect();
+        assert_eq!(gross(&residuals), [DataRow(107)]);
     }
 }

@@ -203,7 +203,7 @@ pub fn page(exhibits: &[Exhibit], settings: &Settings) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::Spread;
+    use crate::cli::reproduction::Spread;
 
     #[test]
     fn numbers_have_four_digits() {

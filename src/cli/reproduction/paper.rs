@@ -134,7 +134,7 @@ pub const RANDOM_O1: (f64, f64) = (0.01713, 0.02199);
 /// # Errors
 /// Never in practice: the file is part of the program.
 pub fn table_2() -> Result<Machine, FileError> {
-    Machine::from_text(include_str!("../../mechanisms/table2.toml"), Path::new("mechanisms/table2.toml"))
+    Machine::from_text(include_str!("../../../mechanisms/table2.toml"), Path::new("mechanisms/table2.toml"))
 }
 
 /// The mechanism of Table 5 (Table 1 and section 5).
@@ -142,7 +142,7 @@ pub fn table_2() -> Result<Machine, FileError> {
 /// # Errors
 /// Never in practice: the file is part of the program.
 pub fn table_5() -> Result<Machine, FileError> {
-    Machine::from_text(include_str!("../../mechanisms/table5.toml"), Path::new("mechanisms/table5.toml"))
+    Machine::from_text(include_str!("../../../mechanisms/table5.toml"), Path::new("mechanisms/table5.toml"))
 }
 
 /// The mechanism of Table 5 with the errors of Table 6.

@@ -1,23 +1,19 @@
 //! Whatever the call is, it is read or refused with a message: 20,000 mutated calls, or `PARACAL_MUTATIONS`.
 //!
-//! `PARACAL_MUTATIONS=1000000 PARACAL_SEED=1 cargo test --bin paracal` has been run: a million calls and a million effects.
-
-#[path = "../../tests/it/common/mutations.rs"]
-#[allow(unreachable_pub)]
-mod mutations;
+//! `PARACAL_MUTATIONS=1000000 PARACAL_SEED=1 cargo test --test it mutated_calls` has been run: a million calls and a
+//! million effects.
 
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use crate::files::Machine;
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
+use paracal::cli::{Cli, effect_entry, run};
+use paracal::files::Machine;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
-use super::effect_args::effect_entry;
-use super::{Cli, Command, run};
-use mutations::mutations;
+use crate::common::mutations::mutations;
 
 /// Valid calls; their files do not exist.
 const CALLS: [&str; 12] = [
@@ -167,7 +163,15 @@ fn words(call: &str) -> Vec<OsString> {
     call.split_whitespace().map(OsString::from).collect()
 }
 
-/// An empty folder in which all tests of this program work.
+/// What can be called, built once.
+static COMMAND: LazyLock<clap::Command> = LazyLock::new(|| {
+    let mut command = Cli::command();
+    command.build();
+    command
+});
+
+/// An empty folder in which the calls are run. It becomes the current one of the whole process: no other test depends
+/// on where it runs.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     std::env::set_current_dir(folder.path()).unwrap();
@@ -225,16 +229,16 @@ proptest! {
     fn calls(call in select(CALLS.to_vec()), list in prop::collection::vec(change(), 1..5)) {
         let folder = FOLDER.path();
         let call = list.iter().fold(words(call), changed);
-        match Cli::try_parse_from(&call) {
+        match COMMAND.clone().try_get_matches_from(&call) {
             Err(error) => {
                 prop_assert!(!error.to_string().is_empty());
                 prop_assert!(matches!(error.exit_code(), 0 | 2));
             }
-            Ok(cli) => {
-                prop_assert!(cli.threads.is_none_or(|n| (1..=256).contains(&n)));
+            Ok(matches) => {
+                prop_assert!(matches.get_one::<u16>("threads").is_none_or(|n| (1..=256).contains(n)));
                 // It would work for minutes, and makes its folder.
-                if !matches!(cli.command, Command::Reproduce(_)) {
-                    let refusal = run(&cli);
+                if matches.subcommand_name() != Some("reproduce") {
+                    let refusal = run(&Cli::from_arg_matches(&matches).unwrap());
                     prop_assert!(refusal.is_err_and(|e| e.to_string().len() > 10), "{call:?}");
                 }
             }

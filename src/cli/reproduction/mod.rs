@@ -33,6 +33,7 @@ mod figure6;
 mod figure7;
 mod figure8;
 mod figure9;
+mod journal;
 pub mod paper;
 mod ranking;
 mod render;
@@ -45,6 +46,7 @@ mod table8;
 pub use comparison::{Agreement, Comparison, Spread};
 pub use context::{Progress, ReproduceError, ReproductionContext, Settings};
 pub use exhibit::{Exhibit, Listing};
+pub use journal::{Journal, JournalError};
 pub use render::page;
 
 /// Names of the exhibits in the order of the paper.

@@ -8,11 +8,12 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use super::journal::{Journal, JournalError};
 use crate::files::FileError;
 use crate::identification::IdentifyError;
 use crate::mechanism::GeometryError;
 use crate::selection::SelectionError;
-use crate::simulation::{Journal, JournalError, TrialError};
+use crate::simulation::TrialError;
 use crate::solve::SolveError;
 
 /// How much is done.

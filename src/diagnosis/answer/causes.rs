@@ -1,0 +1,125 @@
+//! The names of the search as causes, with values, uncertainties and rivals.
+
+use crate::diagnosis::answer::evidence::added_variable;
+use crate::diagnosis::answer::limits::lambda;
+use crate::diagnosis::answer::result::{Cause, CauseParameter, Rival};
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::linear::hypotheses::Hypotheses;
+use crate::diagnosis::linear::model::{Hypothesis, Model};
+use crate::diagnosis::search::iteration::SearchState;
+use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability};
+use crate::effect::EffectParameter;
+use crate::measurement::DataRow;
+use crate::units::Dimension;
+
+/// A size below this many limits is tentative.
+const TENTATIVE: f64 = 2.0;
+/// A value that is known to this many usual sizes only is not known.
+const UNSEEN: f64 = 1e6;
+/// Usual sizes beyond which a value is not plausible.
+const PLAUSIBLE: f64 = 10.0;
+
+/// Every name with its values and what speaks for it, by evidence.
+pub(crate) fn causes(
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
+    model: &Model<'_>,
+) -> Result<Vec<Cause>, DiagnoseError> {
+    let step = model.step();
+    let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
+    let mut all = Vec::with_capacity(state.names.len());
+    let mut at = 0;
+    for (k, name) in state.names.iter().enumerate() {
+        let group = &subject.groups[name.group];
+        let p = group.parameters.len();
+        let values: Vec<f64> = step.rows(model.table.nuisance + at, p).iter().copied().collect();
+        let mut others = state.names.clone();
+        others.remove(k);
+        let without = state.model(subject, others.clone())?;
+        let scores = scores(&without, &subject.groups);
+        let tests = scores.iter().filter(|s| s.rank > 0).count();
+        let own = &scores[name.group];
+        let place = name.at(&subject.groups, &rows);
+        let variance = model.noise.variance() * state.fitting.inflation;
+        let sigma = model.noise.variance().sqrt();
+        let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
+        let lambda_limit = lambda(own.rank, tests, own.places);
+        let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
+        let parameter = |(i, spec): (usize, &EffectParameter)| CauseParameter {
+            name: spec.name.clone(),
+            value: values[i],
+            sigma: Some(covariance[(at + i, at + i)].max(0.0).sqrt()).filter(|s| *s < UNSEEN * spec.scale),
+            dimension: dimension(subject, spec.dimension, place.leg),
+            scale: spec.scale,
+        };
+        all.push(Cause {
+            effect: group.effect.name().into(),
+            cause: group.effect.cause().into(),
+            remedy: group.effect.remedy().into(),
+            acts_on: group.effect.acts_on(),
+            leg: place.leg,
+            row: place.row,
+            of: place.covariate,
+            parameters: group.parameters.iter().enumerate().map(parameter).collect(),
+            p_value: own.p_value,
+            evidence: own.evidence,
+            tied_with,
+            size_over_limit: size,
+            tentative: size < TENTATIVE,
+            added_variable: added_variable(state, &subject.groups, &without, name, &values, sigma),
+            plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
+        });
+        at += p;
+    }
+    all.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Ok(all)
+}
+
+/// What a parameter measures at a leg: where joints differ, that of the joint of the leg and not of the first one.
+fn dimension(subject: &Hypotheses<'_>, stated: Dimension, leg: Option<usize>) -> Dimension {
+    let joints = subject.mechanism.joints();
+    match leg.and_then(|leg| joints.get(leg)) {
+        Some(joint) if stated == joints[0].dimension => joint.dimension,
+        _ => stated,
+    }
+}
+
+/// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
+/// one, unless one is a special case of the other.
+fn rivals(
+    subject: &Hypotheses<'_>,
+    without: &Model<'_>,
+    scores: &[Score],
+    name: &Hypothesis,
+    values: &[f64],
+    others: &[Hypothesis],
+    variance: f64,
+) -> Vec<Rival> {
+    let own = scores[name.group].evidence;
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
+    let mut tied: Vec<Rival> = Vec::new();
+    for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
+        let log_bayes_factor = own - s.evidence;
+        // What the data can hardly tell apart is not told apart by the sizes that are usual.
+        let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
+        if log_bayes_factor > reach {
+            continue;
+        }
+        let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
+        if log_bayes_factor <= TIED || separability < TOLD_APART {
+            let at = s.candidate.at(&subject.groups, &rows);
+            tied.push(Rival {
+                effect: subject.groups[s.candidate.group].effect.name().into(),
+                leg: at.leg,
+                row: at.row,
+                of: at.covariate,
+                values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
+                log_bayes_factor,
+                separability,
+            });
+        }
+    }
+    tied.sort_by(|a, b| a.log_bayes_factor.total_cmp(&b.log_bayes_factor));
+    tied
+}

@@ -1,0 +1,112 @@
+//! From a question to an answer: preflight, search, findings.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::diagnosis::answer::findings::findings;
+use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Verdict};
+use crate::diagnosis::error::DiagnoseError;
+use crate::diagnosis::linear::hypotheses::Hypotheses;
+use crate::diagnosis::preflight::compare::preflight;
+use crate::diagnosis::question::{Question, TOLERANCES};
+use crate::diagnosis::search::iteration::Search;
+use crate::effect::Environment;
+use crate::identification::{ErrorSummary, Prior, register};
+use crate::measurement::Dataset;
+use crate::units::shortened;
+
+/// Samples that can be searched in minutes, with a few gigabytes.
+const MOST_SAMPLES: usize = 10_000;
+
+/// Says what the model gets wrong.
+///
+/// # Errors
+/// [`DiagnoseError`] if there is no answer at all.
+pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let Question { mechanism, data, convention, .. } = *question;
+    if data.len() > MOST_SAMPLES {
+        return Err(DiagnoseError::TooManySamples { samples: data.len(), most: MOST_SAMPLES });
+    }
+    let convention = &convention;
+    let prior = Prior::wide(mechanism, TOLERANCES);
+    if let Some(misread) = preflight(mechanism, data, convention, &prior) {
+        return Ok(misread_file(data, misread));
+    }
+    let (data, gaps) = complete_rows(data);
+    let registration = register(mechanism, &data)?;
+    let data = data.with_frames(registration.frames);
+    let environment = Arc::new(question.environment.with_references_of(&data));
+    let (mut subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
+    let known = question.noise_known && data.noise.known;
+    if subject.is_pose_space() && !data.noise.known {
+        // Nothing says how the noise of the six coordinates compares, and each is fitted by itself.
+        let first = Search { subject: &subject, known }.explore_with_care()?;
+        subject.spreads = first.spreads(&subject)?;
+    }
+    let mut state = Search { subject: &subject, known }.explore_with_care()?;
+    if let Some(ratio) = state.ratio(&subject)?.filter(|_| !known && subject.spreads.is_empty()) {
+        subject.kind_spreads = Some(ratio);
+        state = Search { subject: &subject, known }.explore_with_care()?;
+    }
+    let mut noise = None;
+    if let Some((varies, spreads)) = state.noise_varies(&subject)? {
+        // Rows count by the noise that they have.
+        noise = Some(varies);
+        subject.sample_spreads = spreads;
+        state = Search { subject: &subject, known }.explore_with_care()?;
+    }
+    let mut found = findings(question, &subject, &state, missing, &registration, noise)?;
+    found.warnings.extend(gaps);
+    Ok(found)
+}
+
+/// Part of the rows that must have a covariate for rows without it to be left out, rather than the covariate.
+const MOST: f64 = 0.8;
+
+/// The samples that have every covariate that most have, and what to say of the others. A covariate with gaps would else
+/// be none, and its effects would go to their relatives.
+fn complete_rows(data: &Dataset) -> (Dataset, Vec<String>) {
+    let n = data.len();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in data.iter().flat_map(|s| s.conditions.covariates.keys()) {
+        *counts.entry(name).or_default() += 1;
+    }
+    let nearly: Vec<&str> =
+        counts.iter().filter(|(_, c)| **c < n && **c as f64 >= MOST * n as f64).map(|(name, _)| *name).collect();
+    let whole = |k: &usize| nearly.iter().all(|name| data.sample(*k).conditions.get(name).is_some());
+    let (kept, gaps): (Vec<usize>, Vec<usize>) = (0..n).partition(whole);
+    if gaps.is_empty() || (kept.len() as f64) < MOST * n as f64 {
+        let warning = format!("{} have empty cells; effects that depend on them are not tested", nearly.join(", "));
+        return (data.clone(), if nearly.is_empty() { Vec::new() } else { vec![warning] });
+    }
+    let rows: Vec<String> = gaps.iter().map(|k| data.sample(*k).row.to_string()).collect();
+    let warning = format!("data rows {} are left out: {} has empty cells there", shortened(&rows), nearly.join(", "));
+    (data.subset(&kept), vec![warning])
+}
+
+fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
+    Diagnosis {
+        verdict: Verdict::Misread,
+        causes: Vec::new(),
+        unknown: None,
+        misread: Some(misread),
+        outlier_rows: Vec::new(),
+        residuals: Vec::new(),
+        noise_varies: None,
+        correlation: None,
+        gain: Gain::default(),
+        not_found: Vec::new(),
+        not_testable: Vec::new(),
+        before: ErrorSummary::default(),
+        after: ErrorSummary::default(),
+        noise_scale: f64::NAN,
+        samples: data.len(),
+        joints: Vec::new(),
+        values: Vec::new(),
+        own: Vec::new(),
+        effects: Vec::new(),
+        environment: Environment::default(),
+        frames: data.frames,
+        warnings: Vec::new(),
+    }
+}

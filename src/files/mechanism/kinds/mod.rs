@@ -1,0 +1,39 @@
+//! The kinds of mechanism that a file may state.
+//!
+//! | `type` | `[[leg]]` needs | may have |
+//! |---|---|---|
+//! | `six-hardpoint` | `platform base length` | `length_offset stroke`, and the nominal points in a calibrated file |
+//! | `rotary-stewart` | `platform base length crank axis zero` | `angle_offset stroke` |
+//! | `linear-delta` | `platform base length carriage rail` | `stroke` |
+//! | `tripod-3rps` | `platform base axis` | `length_offset hinge_tilt stroke` |
+//! | `planar-cables` | `platform base`, and `[[cable]] segments` | `drum length_offset stroke` of a cable |
+//! | `pose` | has no legs | `[offset]` |
+//!
+//! Each is one [`FileKind`] in a file of its own, and [`KINDS`] lists them; nothing else knows which kinds there are.
+
+mod closure_kind;
+pub(crate) mod file_kind;
+mod linear_delta;
+mod planar_cables;
+pub(crate) mod pose;
+mod rotary_stewart;
+mod row;
+pub(crate) mod six_hardpoint;
+mod tripod;
+
+use file_kind::FileKind;
+
+/// Every kind, in the order in which errors list them.
+pub(crate) const KINDS: [&FileKind; 6] = [
+    &six_hardpoint::KIND,
+    &rotary_stewart::KIND,
+    &linear_delta::KIND,
+    &tripod::KIND,
+    &planar_cables::KIND,
+    &pose::KIND,
+];
+
+/// The kind of this name.
+pub(crate) fn kind(name: &str) -> Option<&'static FileKind> {
+    KINDS.into_iter().find(|kind| kind.name == name)
+}

@@ -1,0 +1,77 @@
+//! Opens a mechanism file, whichever of the formats it is written in.
+
+use std::path::Path;
+
+use crate::files::error::{FileError, read_text};
+use crate::files::machine::Machine;
+use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::read::build;
+use crate::files::mechanism::reader::Reader;
+use crate::files::urdf::options::UrdfOptions;
+use crate::files::urdf::output::is_urdf;
+use crate::files::urdf::read as urdf;
+use crate::files::urdf::side::names_a_urdf;
+use crate::mechanism::GeometryError;
+
+impl Machine {
+    /// Reads a mechanism file: TOML, or URDF with what stands beside it.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        Self::read_with(path, &UrdfOptions::default())
+    }
+
+    /// Reads a mechanism file, with options that supply what a URDF file lacks.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do; also if `options` are given for a file without URDF.
+    pub fn read_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let text = read_text(path)?;
+        let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
+        if urdf::is_xml(&text) || is_urdf(path) {
+            return urdf::read(path, &text, options);
+        }
+        if let Some(robot) = names_a_urdf(&text) {
+            return urdf::read_named(path, &text, &robot, options);
+        }
+        if !options.is_empty() {
+            let problem = "closures, links and joint coordinates are for URDF files only, and this is not one";
+            return Err(value("the call", format!("{problem}; leave the options out")));
+        }
+        let machine = Self::from_text(&text, path);
+        let robot = path.with_extension("urdf");
+        if matches!(
+            &machine,
+            Err(FileError::Geometry { cause: GeometryError::LegCount { found: 0 }, .. } | FileError::Toml { .. })
+        ) && robot.is_file()
+            && !text.contains("[[leg]]")
+        {
+            let problem = format!("is missing; this file belongs to '{}', name that one", robot.display());
+            return Err(value("[[leg]]", problem));
+        }
+        machine
+    }
+
+    /// Reads the text of a mechanism file, TOML or URDF; `path` is only named in errors, and nothing beside it is read.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_text(text: &str, path: &Path) -> Result<Self, FileError> {
+        if urdf::is_xml(text) {
+            return urdf::from_text(path, text, &UrdfOptions::default());
+        }
+        let document: MechanismDocument = toml::from_str(text)
+            .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
+        Self::from_document(document, path)
+    }
+
+    /// The machine of a document; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_document(document: MechanismDocument, path: &Path) -> Result<Self, FileError> {
+        build(&Reader::of(path, &document)?, document)
+    }
+}

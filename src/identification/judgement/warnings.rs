@@ -1,0 +1,41 @@
+//! What the user should know of a calibration as a whole.
+
+use crate::identification::calibration::Calibration;
+use crate::identification::judgement::held_out::Holdout;
+use crate::identification::judgement::plausibility::Implausible;
+use crate::measurement::Dataset;
+
+/// Adds what the whole calibration says.
+pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
+    let warnings = &mut result.verdict.warnings;
+    if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
+        warnings.push("no errors on held-out rows: the remaining rows cannot be fitted on their own".into());
+    }
+    if result.registration.applied {
+        warnings.push(
+            "the data are in their own frame; the calibrated model is in the frames of the measurement \
+             (see frames)"
+                .into(),
+        );
+    }
+    let implausible = &result.plausibility.implausible;
+    let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;
+    if let Some(worst) = implausible.iter().max_by(|a, b| in_tolerances(a).total_cmp(&in_tolerances(b))) {
+        let (unit, per_si) = worst.dimension.in_tables();
+        warnings.push(format!(
+            "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
+             a small residual with such values means that they absorb another cause",
+            implausible.len(),
+            worst.name,
+            per_si * worst.deviation
+        ));
+    }
+    if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {
+        let scale = result.identification.noise_scale * data.noise.position;
+        warnings.push(format!(
+            "no noise is stated; it was estimated from the residuals as {:.3} um per position coordinate",
+            1e6 * scale
+        ));
+    }
+    result
+}

@@ -1,0 +1,106 @@
+//! What is unusual and no reason to refuse: it is said, and the work is done.
+
+use std::process::Output;
+
+use super::mechanism_files::with_a_shared_anchor;
+use super::{CALIBRATE, poses, replaced, with_stroke, without_tolerance};
+use crate::common::bench::{Bench, NOISY, TABLE_5};
+
+/// The bundled case with another mechanism and the list of its poses.
+fn bench(mechanism: String) -> Bench {
+    let super::Entry(name, super::Content::Bytes(list)) = poses() else { unreachable!() };
+    Bench::new(mechanism, NOISY).with(name, list)
+}
+
+/// Requires that a call succeeds and adds only these files.
+#[track_caller]
+fn writes(bench: &Bench, call: &str, files: &[&str]) -> Output {
+    let mut expected: Vec<String> = bench.listing().into_keys().chain(files.iter().map(|f| (*f).into())).collect();
+    expected.sort();
+    expected.dedup();
+    let output = bench.run(call);
+    assert_eq!(output.status.code(), Some(0), "{call}: {}", stderr(&output));
+    assert_eq!(bench.listing().into_keys().collect::<Vec<_>>(), expected, "{call}");
+    output
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn shared_anchors_that_are_stated() {
+    let stated = replaced(&with_a_shared_anchor(), "angle_unit", "shared_anchors = true\nangle_unit");
+    writes(&bench(stated), "compensate m.toml p.csv -o lengths.csv", &["lengths.csv"]);
+}
+
+#[test]
+fn rows_without_a_reading_cannot_be_held_out() {
+    // Four of the five folds leave the only measured row; the fifth leaves nothing to fit.
+    let line = |(k, line): (usize, &str)| match k {
+        0 | 1 => format!("{line}\n"),
+        _ => line.split(',').take(6).collect::<Vec<_>>().join(",") + ",,,,,,\n",
+    };
+    let text: String = NOISY.lines().enumerate().map(line).collect();
+    let output = writes(&Bench::new(TABLE_5, text), CALIBRATE, &["o.toml"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("not held out"));
+}
+
+#[test]
+fn lengths_outside_the_strokes_are_warned_of() {
+    let bench = bench(with_stroke("[700.0, 900.0]"));
+    let output = writes(&bench, CALIBRATE, &["o.toml"]);
+    assert!(stderr(&output).contains("warning: joints outside their stroke in data row 0"), "{}", stderr(&output));
+    let output = writes(&bench, "compensate m.toml p.csv -o o.csv", &["o.csv"]);
+    assert!(
+        stderr(&output).contains("warning: data row 0: leg1 would be 513.616 mm, outside its stroke 700.000 to 900")
+    );
+    let output = writes(&bench, "simulate m.toml --poses p.csv -o s.csv", &["s.csv"]);
+    assert!(stderr(&output).contains("warning: joints outside their stroke in data row 0, 1"));
+}
+
+#[test]
+fn selections_without_tolerance() {
+    let output = writes(&bench(without_tolerance()), "select m.toml -o o.csv --candidates 30 --no-polish", &["o.csv"]);
+    assert!(stderr(&output).contains("mm and rad"), "{}", stderr(&output));
+}
+
+/// Calls that succeed with warnings.
+fn warned() -> (Bench, [&'static str; 3]) {
+    let calls = [CALIBRATE, "compensate m.toml p.csv -o o.csv", "simulate m.toml --poses p.csv -o s.csv"];
+    (bench(with_stroke("[700.0, 900.0]")), calls)
+}
+
+#[test]
+fn json_is_one_object_also_with_warnings() {
+    let (bench, calls) = warned();
+    for call in calls.into_iter().chain(["evaluate m.toml d.csv"]) {
+        let (object, warnings) = bench.json_and_warnings(call);
+        assert_eq!(warnings.contains("warning: "), !call.starts_with("evaluate"), "{call}");
+        assert!(object.is_object(), "{call}");
+    }
+}
+
+#[test]
+fn quiet_silences_warnings() {
+    let (bench, calls) = warned();
+    for call in calls {
+        let printed = bench.done(&format!("{call} --quiet"));
+        assert!(printed.err.is_empty(), "{call}: {}", printed.err);
+        assert!(!printed.out.is_empty(), "{call}");
+    }
+}
+
+#[test]
+fn readers_that_went_away_do_no_harm() {
+    let (bench, calls) = warned();
+    for call in calls {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let status = bench.command(call).stdout(writer.try_clone().unwrap()).stderr(writer).status().unwrap();
+        assert_eq!(status.code(), Some(0), "{call}");
+    }
+    for file in ["o.toml", "o.csv", "s.csv"] {
+        assert!(bench.has(file), "{file}");
+    }
+}
