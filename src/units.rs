@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// What a number measures.
+/// Physical dimension of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Dimension {
@@ -57,7 +57,7 @@ impl Dimension {
         }
     }
 
-    /// What joints of that dimension are called: lengths, angles, or coordinates.
+    /// Noun for joints of this dimension: lengths, angles, or coordinates.
     pub fn noun(self) -> &'static str {
         match self {
             Self::Length => "lengths",
@@ -86,7 +86,7 @@ impl Dimension {
 pub struct Unit {
     /// The name in files: `mm`, `deg`, …
     pub name: &'static str,
-    /// What it measures.
+    /// Dimension that the unit measures.
     pub dimension: Dimension,
     /// SI value of one unit.
     pub factor: f64,
@@ -123,7 +123,7 @@ pub enum UnitError {
     /// The name is not a unit of the expected dimension.
     #[error("unknown unit '{found}'; use {choices}")]
     Unknown {
-        /// What was found.
+        /// Text that was found.
         found: String,
         /// The accepted names.
         choices: String,
@@ -131,7 +131,7 @@ pub enum UnitError {
     /// A quantity such as `2um` has no number or no unit.
     #[error("'{found}' is not a quantity; write a number and a unit, such as {example}")]
     Quantity {
-        /// What was found.
+        /// Text that was found.
         found: String,
         /// How it should look.
         example: &'static str,

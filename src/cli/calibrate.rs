@@ -18,19 +18,19 @@ use crate::cli::common::{Ui, about, page_subject, settings, verdict};
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Prior {
-    /// The tolerance where the data do not decide.
+    /// Use the tolerances where the data do not determine the parameters.
     Auto,
-    /// The tolerance, always.
+    /// Always use the tolerances.
     Tolerance,
-    /// None.
+    /// Use no prior.
     None,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum WeightChoice {
-    /// Rows weighted by the noise.
+    /// Weight rows by their noise.
     Noise,
-    /// Millimetres and radians as they are: the paper's estimator.
+    /// Unweighted millimetres and radians: the paper's estimator.
     None,
 }
 
@@ -42,7 +42,7 @@ enum LossChoice {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum SolverChoice {
-    /// QR steps of this program.
+    /// This program's QR steps.
     Qr,
     /// argmin's built-in Gauss-Newton.
     Argmin,
@@ -54,7 +54,7 @@ enum SolverChoice {
 pub(crate) struct Args {
     /// Mechanism file.
     mechanism: PathBuf,
-    /// Measurement file: joints and what was measured.
+    /// Measurement file: joints and measured values.
     data: PathBuf,
     /// Calibrated mechanism file to write.
     #[arg(short, long, value_name = "FILE")]
@@ -62,13 +62,13 @@ pub(crate) struct Args {
     /// levenberg-marquardt, least-squares (the paper's iteration) or robust.
     #[arg(long, default_value = "levenberg-marquardt", value_parser = clap::builder::PossibleValuesParser::new(IDENTIFIERS))]
     identifier: String,
-    /// Whether tolerances are used as prior knowledge.
+    /// Whether to use the tolerances as prior knowledge.
     #[arg(long, value_enum, default_value = "auto")]
     prior: Prior,
-    /// How rows are weighted.
+    /// How to weight the rows.
     #[arg(long, value_enum, default_value = "noise")]
     weights: WeightChoice,
-    /// Part of the rows to hold out (0 to 1), or a second measurement file; 5 folds if absent.
+    /// Fraction of the rows to hold out (0 to 1), or a second measurement file; 5 folds if absent.
     #[arg(long, value_name = "PART|FILE")]
     holdout: Option<String>,
     /// Loss of the robust identifier.
@@ -83,7 +83,7 @@ pub(crate) struct Args {
     /// Also write the covariance of the parameters (SI) as CSV.
     #[arg(long, value_name = "FILE")]
     covariance: Option<PathBuf>,
-    /// Page to write: verdict, errors and parameters in pictures (HTML).
+    /// HTML page to write: verdict, errors and parameters as charts.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
@@ -112,7 +112,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         (_, Some(path)) => Holdout::Data(Box::new(ui.measurement(path, &machine).context("--holdout")?.data)),
         (Some(part), None) => match part.parse::<f64>() {
             Ok(part) if part > 0.0 && part < 1.0 => Holdout::Fraction(part),
-            _ => bail!("--holdout {part}: a part of the rows lies between 0 and 1, such as 0.2; or name a file"),
+            _ => bail!(
+                "--holdout {part}: the fraction of the rows must be between 0 and 1, such as 0.2; or name a \
+                        file"
+            ),
         },
     };
     let options = CalibrationOptions {
@@ -147,8 +150,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         document.effects = refitted(&machine, &result, &measurement);
         if result.registration.applied {
             ui.warn(
-                "the effects of the file act in the frame of its base and were identified as if the data were in it; put \
-                 the data into that frame",
+                "the effects in the mechanism file act in its base frame and were identified as if the data were in \
+                 that frame; transform the data into it",
             );
         }
     }
@@ -173,7 +176,7 @@ fn page(args: &Args, ui: &Ui, machine: &Machine, measurement: &Measurement, resu
     let own = result.identification.own_values();
     let models = [
         ModelResiduals::new("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
-        ModelResiduals::new("as it was given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
+        ModelResiduals::new("as given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
     ];
     let settings =
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
@@ -202,7 +205,7 @@ fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {
     match args.identifier.as_str() {
         "least-squares" => Ok(Box::new(LeastSquares { builtin: args.solver == SolverChoice::Argmin })),
         "robust" if args.weights == WeightChoice::None => {
-            bail!("--weights none: the robust identifier judges rows by the noise; use least-squares")
+            bail!("--weights none: the robust identifier needs rows weighted by their noise; use least-squares")
         }
         "robust" => {
             let loss = match args.loss {

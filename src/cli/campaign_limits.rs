@@ -16,12 +16,12 @@ use crate::cli::common::Ui;
 /// Options of `select` for a campaign that is to be diagnosed.
 #[derive(clap::Args)]
 pub(crate) struct DiagnosisArgs {
-    /// Also show from which size on each effect would be seen by a diagnosis of these poses; needs [noise].
+    /// Also show how large each effect must be for a diagnosis of these poses to detect it; needs [noise].
     #[arg(long)]
     for_diagnosis: bool,
-    /// Conditions under which the poses will be measured, one row for each in the order of the list (fewer rows repeat):
-    /// columns such as temp_leg1_degC, temp_platform_degC, elevation_deg, payload_kg. Absent: a reference campaign, which is
-    /// described with the result.
+    /// Conditions under which the poses will be measured, one row per pose in the order of the list (fewer rows are
+    /// repeated): columns such as temp_leg1_degC, temp_platform_degC, elevation_deg, payload_kg. If absent, a reference
+    /// campaign is assumed and described with the result.
     #[arg(long, value_name = "FILE", requires = "for_diagnosis")]
     pub(crate) conditions: Option<PathBuf>,
 }
@@ -41,7 +41,10 @@ impl DiagnosisArgs {
         }
         let Some(noise) = machine.noise else {
             let file = machine.path.display();
-            bail!("{file}: --for-diagnosis: a limit is a multiple of the noise; state [noise] position and rotation");
+            bail!(
+                "{file}: --for-diagnosis: detection limits are multiples of the noise; state [noise] position and \
+                   rotation"
+            );
         };
         let read = self.conditions.as_ref().map(|path| read_conditions(path, machine)).transpose()?;
         let states = read.map(|read| {
@@ -83,10 +86,14 @@ impl DiagnosisArgs {
         })?;
         let conditions = match (&self.conditions, states.len()) {
             (None, _) => {
-                format!("assumed (--conditions FILE states others): {}", machine.reference_conditions_in_words())
+                format!("assumed (--conditions FILE states your own): {}", machine.reference_conditions_in_words())
             }
-            (Some(path), rows) if rows < n => format!("conditions of {}, whose {rows} rows repeat", path.display()),
-            (Some(path), _) => format!("conditions of {}", path.display()),
+            (Some(path), rows) if rows < n => format!(
+                "conditions from {}, whose {rows} rows are \
+                                                       repeated",
+                path.display()
+            ),
+            (Some(path), _) => format!("conditions from {}", path.display()),
         };
         Ok(CampaignLimits { poses: n, noise: campaign.noise, conditions, limits, missing })
     }

@@ -1,4 +1,4 @@
-//! What `diagnose` and `settle` read: a machine, and data to ask about.
+//! Input of `diagnose` and `settle`: a machine and data.
 
 use std::path::PathBuf;
 
@@ -11,11 +11,12 @@ use crate::cli::common::{Ui, about};
 /// The two files, and how their noise is meant.
 #[derive(clap::Args)]
 pub(crate) struct CaseArgs {
-    /// Mechanism file; effects in it are looked for anew.
+    /// Mechanism file; the effects in it are searched for afresh.
     pub(crate) mechanism: PathBuf,
     /// Measurement file with the conditions of each row: temperatures, elevation, payload, time.
     pub(crate) data: PathBuf,
-    /// Take the stated noise as known; otherwise its size is estimated and only its ratio is used.
+    /// Take the stated noise as known; otherwise its size is estimated and only the ratio of position to rotation is
+    /// used.
     #[arg(long)]
     noise_known: bool,
 }
@@ -38,7 +39,7 @@ impl CaseArgs {
         outputs.protect(machine.inputs());
         let measurement = ui.measurement(&self.data, &machine)?;
         if self.noise_known && !measurement.data.noise.known {
-            bail!("--noise-known: {} states no [noise], and the data no sigma columns", self.mechanism.display());
+            bail!("--noise-known: {} states no [noise], and the data have no sigma columns", self.mechanism.display());
         }
         Ok((Case { args: self, machine, measurement }, outputs))
     }

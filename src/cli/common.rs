@@ -1,4 +1,4 @@
-//! What the commands share: reading, warnings, progress, exit codes.
+//! Shared by the commands: reading, warnings, progress, exit codes.
 
 use std::cell::RefCell;
 use std::io::IsTerminal;
@@ -34,7 +34,7 @@ const ERROR: Style = AnsiColor::Red.on_default().bold();
 pub(crate) struct Ui {
     /// One JSON object on standard output.
     pub(crate) json: bool,
-    /// No progress and no warnings.
+    /// Suppress progress and warnings.
     pub(crate) quiet: bool,
     /// What mechanism files are read with.
     pub(crate) reading: ReadOptions,
@@ -131,7 +131,7 @@ impl Steps {
         bar.set_position(done as u64 + 1);
     }
 
-    /// The same for work that comes in several parts.
+    /// Progress of work in several parts.
     pub(crate) fn work(&self, message: &str, done: usize, total: usize) {
         if self.bar.message() != message {
             self.say(message);
@@ -226,7 +226,7 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: DataRow) -> Option<String> 
     let unit = machine.unit(spec.dimension);
     let shown = |v: f64| format!("{:.3} {}", unit.from_si(v), unit.name);
     Some(format!(
-        "{} is farthest from home with {} (home {}): correct the row or delete it, or check the mechanism file",
+        "{} is farthest from home at {} (home {}): correct or delete the row, or check the mechanism file",
         spec.name,
         shown(sample.joints[odd]),
         shown(home[odd])
@@ -255,7 +255,7 @@ pub(crate) fn settings<P: AsRef<Path>>(
             .and_then(|_| std::fs::read(path).ok())
         {
             Some(bytes) => format!("{} bytes, SHA-256 {}", bytes.len(), hexadecimal(&Sha256::digest(&bytes))),
-            None => "not a file that can be read twice".into(),
+            None => "not a regular file, so not read again".into(),
         };
         settings.push((path.display().to_string(), said));
     }

@@ -19,13 +19,13 @@ use crate::cli::common::{JointsAndPose, Ui, joint_noun, joints_and_poses};
 pub(crate) struct Args {
     /// Mechanism file, usually a calibrated one.
     mechanism: PathBuf,
-    /// List of poses that the platform should take, one after the other. An extended model reads temperatures, elevation
-    /// and payload from the same columns as data.
+    /// List of poses for the platform to take, in order. An extended model reads temperatures, elevation and payload
+    /// from the same columns as in measurement files.
     poses: PathBuf,
     /// Table of the leg lengths (joint angles of a rotary mechanism) to command.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// The poses are wanted as the instrument sees them: the sag of its frame is compensated, too.
+    /// The poses are meant as the instrument sees them: the sag of its frame is compensated too.
     #[arg(long)]
     in_tracker_frame: bool,
 }
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             .command(&listed.pose, &listed.conditions)
             .with_context(|| format!("{}: data row {row}", args.poses.display()))?;
         if found.joints.iter().any(|v| !v.is_finite()) {
-            bail!("{}: data row {row}: the pose is too far for any leg; correct the row", args.poses.display());
+            bail!("{}: data row {row}: the pose is out of reach; correct the row", args.poses.display());
         }
         for (spec, value) in mechanism.joints().iter().zip(&found.joints) {
             if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
@@ -88,10 +88,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     const SHOWN: usize = 5;
     outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
     if outside.len() > SHOWN {
-        ui.warn(&format!("{} more {noun} are outside their strokes", outside.len() - SHOWN));
+        ui.warn(&format!("{} more {noun} are outside their stroke", outside.len() - SHOWN));
     }
     let lengths: Vec<&Vec<f64>> = rows.iter().map(|r| &r.joints).collect();
-    let text = format!("{} poses: {noun} to command are in {}", rows.len(), args.output.display());
+    let text = format!("{} poses: {noun} to command written to {}", rows.len(), args.output.display());
     let all: Vec<&String> = warnings.iter().chain(&outside).collect();
     let mut shown = json!({
         "poses": rows.len(), "outside_stroke": outside.len(), "joints": lengths, "effects": used, "warnings": all,
@@ -108,15 +108,19 @@ fn not_compensated(effect: &ActiveEffect) -> String {
     let label = effect.label();
     match effect.effect.acts_on() {
         ActsOn::Measurement if !effect.effect.describes_one_run() => format!(
-            "{label} is not compensated: only the instrument sees it; with --in-tracker-frame it is, if the poses are \
-             wanted as the instrument sees them"
+            "{label} is not compensated: only the instrument sees it; use --in-tracker-frame if the poses are meant \
+             as the instrument sees them"
         ),
         ActsOn::Measurement => {
-            format!("{label} is not compensated: it moved the instrument of one run, and predicts nothing for another")
+            format!(
+                "{label} is not compensated: it moved the instrument during one run, and predicts nothing for \
+                     another"
+            )
         }
         ActsOn::Mechanism => {
             format!(
-                "{label} is not compensated: it describes one run, and is not extrapolated; see what moved that leg"
+                "{label} is not compensated: it describes one run and cannot be extrapolated; find out what moved \
+                 that leg"
             )
         }
     }
@@ -165,8 +169,8 @@ fn extrapolated(rows: &[Compensated], kinds: &ConditionTable) -> Vec<String> {
         let [from, to] = range.map(|v| v * per_si);
         let value = if low == high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") };
         said.push(format!(
-            "{label}: {covariate} is {value}{unit} in data row {}, outside of {from:.4} to {to:.4}{unit}, where it was \
-             fitted; the command is an extrapolation",
+            "{label}: {covariate} is {value}{unit} in data row {}, outside the range {from:.4} to {to:.4}{unit} over \
+             which it was fitted; the command is an extrapolation",
             shortened(&rows)
         ));
     }

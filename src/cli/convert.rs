@@ -12,8 +12,8 @@ use crate::cli::common::Ui;
 /// Arguments of `convert`.
 #[derive(clap::Args)]
 #[command(
-    after_help = "What URDF cannot say (workspace, noise, tolerance, units, length offsets) goes into a TOML file of the \
-                  same stem beside it, which every command reads with it.\n\
+    after_help = "What URDF cannot express (workspace, noise, tolerance, units, length offsets) goes into a TOML file \
+                  with the same stem next to it, and every command reads both.\n\
                   Example: paracal convert mechanisms/table5.toml -o hardpoints.urdf"
 )]
 pub(crate) struct Args {
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let extension = args.output.extension().map(|e| e.to_string_lossy().to_lowercase());
     if !matches!(extension.as_deref(), Some("urdf" | "toml")) {
         bail!(
-            "{}: is neither a .urdf nor a .toml file; let the name of the output end in one of them",
+            "{}: is neither a .urdf nor a .toml file; end the name of the output in one of them",
             args.output.display()
         );
     }
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let written = outputs.add_mechanism(&args.output, machine.document())?;
     outputs.write()?;
     written.warnings.iter().for_each(|w| ui.warn(w));
-    let beside = written.side.as_ref().map_or_else(String::new, |p| format!(", with {} beside it", p.display()));
+    let beside = written.side.as_ref().map_or_else(String::new, |p| format!(", with {} next to it", p.display()));
     let text = format!("{}: {}{beside}", args.output.display(), machine.mechanism.name());
     let warnings: Vec<&String> = machine.warnings.iter().chain(&written.warnings).collect();
     let shown = json!({

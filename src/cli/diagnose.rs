@@ -18,10 +18,10 @@ use crate::cli::common::{Ui, page_subject, settings, verdict};
 pub(crate) struct Args {
     #[command(flatten)]
     case: CaseArgs,
-    /// Mechanism file to write: identified parameters and the causes that were found.
+    /// Mechanism file to write: identified parameters and the causes found.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Page to write: verdict, causes and limits in pictures (HTML).
+    /// HTML page to write: verdict, causes and limits as charts.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Seed of the held-out folds.
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     found.warnings.iter().for_each(|w| ui.warn(w));
     if let Some(path) = &args.output {
         if found.verdict == Verdict::Misread {
-            ui.warn(&format!("{} is not written: the data were read wrongly", path.display()));
+            ui.warn(&format!("{} is not written: the data were misread", path.display()));
         } else {
             let document = machine.extended_document(&found).context("the extended model")?;
             let written = outputs.add_mechanism(path, &document)?;
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         }
     }
     if let Some(path) = &args.report {
-        let progress = ui.progress("looking for measurements that settle".into());
+        let progress = ui.progress("looking for measurements that break the tie".into());
         let plans = settle(&question, &found).map_err(|error| case.about(error))?;
         progress.finish_and_clear();
         let settings = settings(Some(args.seed), machine.inputs().iter().chain([&args.case.data]));

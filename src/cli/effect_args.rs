@@ -51,15 +51,15 @@ fn parse(text: &str) -> Result<(EffectEntry, Vec<f64>), String> {
             rest
         })
     };
-    let values = values.ok_or("has no '=' and values")?;
+    let values = values.ok_or("has no '=' followed by values")?;
     let number = |v: &str| v.trim().parse::<f64>().map_err(|_| format!("'{}' is not a number", v.trim()));
     let values = values.split(',').map(number).collect::<Result<_, String>>()?;
     Ok((entry, values))
 }
 
 fn place(part: &str, entry: &mut EffectEntry) -> Result<(), String> {
-    let (key, value) = part.split_once('=').ok_or_else(|| format!("'{part}' is no place"))?;
-    let number = || value.trim().parse::<usize>().map_err(|_| format!("'{part}' is no whole number"));
+    let (key, value) = part.split_once('=').ok_or_else(|| format!("'{part}' is not a place"))?;
+    let number = || value.trim().parse::<usize>().map_err(|_| format!("'{part}' is not a whole number"));
     match key.trim() {
         "leg" => entry.leg = Some(number()?),
         "row" => entry.row = Some(number()?),

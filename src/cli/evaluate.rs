@@ -19,7 +19,7 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// Measurement file.
     data: PathBuf,
-    /// Page to write: the errors in pictures (HTML).
+    /// HTML page to write: the errors as charts.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }

@@ -45,11 +45,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     });
     if let Some(s) = &survey {
         if s.unreachable > 0 {
-            warnings.push(format!("{} of {} poses of the workspace cannot be reached", s.unreachable, s.poses));
+            warnings.push(format!("{} of {} poses in the workspace cannot be reached", s.unreachable, s.poses));
         }
         if s.outside_stroke > 0 {
             warnings.push(format!(
-                "{} of {} poses of the workspace need a joint outside its stroke",
+                "{} of {} poses in the workspace need a joint outside its stroke",
                 s.outside_stroke, s.poses
             ));
         }
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let outlook = match (&machine.workspace, &machine.noise) {
         (Some(w), Some(noise)) => look_ahead(&machine, w, noise, &mut warnings),
         _ => {
-            warnings.push("state [workspace] and [noise] to see what 20 poses could tell".into());
+            warnings.push("state [workspace] and [noise] to see what 20 poses would determine".into());
             None
         }
     };
@@ -147,7 +147,7 @@ fn look_ahead(
     match preview(machine.mechanism.as_ref(), workspace, noise, POSES, 0) {
         Ok(found) => Some(found),
         Err(cause) => {
-            warnings.push(format!("what 20 poses could tell is not known: {cause}"));
+            warnings.push(format!("what 20 poses would determine is not known: {cause}"));
             None
         }
     }

@@ -42,13 +42,13 @@ pub use effect_args::effect_entry;
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Print one JSON object on standard output, nothing else there.
+    /// Print one JSON object, and nothing else, on standard output.
     #[arg(long, global = true)]
     json: bool,
-    /// No progress and no warnings.
+    /// Suppress progress and warnings.
     #[arg(long, global = true)]
     quiet: bool,
-    /// Threads to use; results do not depend on it.
+    /// Number of threads; the results do not depend on it.
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     threads: Option<u16>,
     #[command(flatten)]
@@ -57,27 +57,27 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Geometry, home, strokes, conditioning, and what 20 good poses could tell.
+    /// Show geometry, home, strokes, conditioning, and what 20 well-chosen poses would determine.
     Inspect(inspect::Args),
-    /// Which poses to measure, and how good the choice is.
+    /// Choose the poses to measure, and prove how good the choice is.
     Select(select_args::Args),
-    /// What a tracker would measure of a mechanism with errors.
+    /// Simulate what a tracker would measure on a mechanism with errors.
     Simulate(simulate::Args),
-    /// Parameters from measured data, and how far to trust them.
+    /// Identify the parameters from measured data, and say how far to trust them.
     Calibrate(calibrate::Args),
-    /// What the model gets wrong, by name, and how much is gained.
+    /// Name what the model gets wrong, and say how much is gained by modelling it.
     Diagnose(diagnose::Args),
-    /// The extra measurements that would separate tied causes.
+    /// Plan extra measurements that would separate tied causes.
     Settle(settle::Args),
-    /// Errors of a model on measured data; nothing is fitted.
+    /// Compute the errors of a model on measured data; nothing is fitted.
     Evaluate(evaluate::Args),
-    /// Leg lengths to command for poses.
+    /// Compute the leg lengths to command for given poses.
     Compensate(compensate::Args),
-    /// The same mechanism as URDF or as TOML.
+    /// Convert a mechanism to URDF or to TOML.
     Convert(convert::Args),
-    /// Tables and figures of Yu, Wu, Wang 2023, and what of them holds.
+    /// Reproduce the tables and figures of Yu, Wu, Wang 2023, and say what holds.
     Reproduce(reproduce::Args),
-    /// What a shell needs to complete commands and options.
+    /// Print what a shell needs to complete commands and options.
     Completions(completions::Args),
 }
 

@@ -21,27 +21,27 @@ const PAGE: &str = "paper.html";
 /// Arguments of `reproduce`.
 #[derive(clap::Args)]
 #[command(after_help = "Example: paracal reproduce table1 --out paper\n\
-                        A run that was stopped goes on where it was, if it is started again with the same options.")]
+                        An interrupted run resumes where it stopped if it is started again with the same options.")]
 pub(crate) struct Args {
     /// Table or figure of Yu, Wu, Wang 2023.
     #[arg(value_name = "EXHIBIT", value_parser = PossibleValuesParser::new(EXHIBITS.into_iter().chain([ALL])))]
     exhibit: String,
-    /// Folder for tables (CSV), figures (SVG) and texts; it is made if there is none.
+    /// Folder for tables (CSV), figures (SVG) and texts; created if missing.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Page to write: what was asked for, with verdicts, tables and pictures (HTML); `all` also writes paper.html.
+    /// HTML page to write: what was requested, with verdicts, tables and charts; `all` also writes paper.html.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Noise draws for each set of poses.
     #[arg(long, value_name = "N", default_value_t = Settings::default().draws)]
     draws: u64,
-    /// Candidate poses in a list.
+    /// Candidate poses per list.
     #[arg(long, value_name = "N", default_value_t = Settings::default().candidates)]
     candidates: usize,
-    /// Lists of candidates, each with sets of its own.
+    /// Lists of candidates, each with its own sets.
     #[arg(long, value_name = "N", default_value_t = Settings::default().lists)]
     lists: u64,
-    /// Seed of everything random.
+    /// Random seed.
     #[arg(long, default_value_t = 0)]
     seed: u64,
 }
@@ -54,14 +54,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     settings.check()?;
     let names: Vec<&str> = EXHIBITS.into_iter().filter(|name| args.exhibit == ALL || args.exhibit == *name).collect();
     std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("{}: the folder cannot be made; name another with --out", args.out.display()))?;
+        .with_context(|| format!("{}: the folder cannot be created; name another with --out", args.out.display()))?;
     pages(args, "", &mut Vec::new())?;
     // Another exhibit or other settings keep a journal of their own.
     let Settings { draws, candidates, lists, seed } = settings;
     let name = format!("unfinished-{}-{draws}-{candidates}-{lists}-{seed}.journal", args.exhibit);
     let journal = Journal::open(args.out.join(name))?;
     if !journal.is_empty() {
-        ui.warn(&format!("going on with {} units of work of a run that was stopped", journal.len()));
+        ui.warn(&format!("resuming an interrupted run with {} finished units of work", journal.len()));
     }
     let context = ReproductionContext::new(settings, &journal, &watch)?;
     let mut exhibits = Vec::new();

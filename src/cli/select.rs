@@ -38,9 +38,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let to_diagnose = args.diagnosis.campaign(&machine, ui)?;
-    let workspace = machine
-        .workspace
-        .with_context(|| format!("{}: state [workspace]: poses are chosen from it", args.mechanism.display()))?;
+    let workspace = machine.workspace.with_context(|| {
+        format!(
+            "{}: there is no [workspace] to choose poses from; state \
+                                  one",
+            args.mechanism.display()
+        )
+    })?;
     let job = Job { args, ui, machine: &machine, requirement };
     let (given, targets) = (job.poses(&args.given)?, job.poses(&args.targets)?);
     let sources = job.sources(number, &listed)?;
@@ -171,7 +175,7 @@ impl<'a> Job<'a> {
         let bar = self.ui.steps("collecting candidates");
         let candidates = Candidates::collect(campaign, sources).map_err(about)?;
         if sources.listed.is_empty() && candidates.tried > 2 * candidates.len() {
-            self.ui.warn(&format!("only {} of {} poses tried can be measured", candidates.len(), candidates.tried));
+            self.ui.warn(&format!("only {} of the {} poses tried can be measured", candidates.len(), candidates.tried));
         }
         let named = index(&self.args.index);
         let aim = match (named.as_deref(), forecaster) {
@@ -198,7 +202,8 @@ impl<'a> Job<'a> {
         }
         if !(report.value > 0.0 && report.value.is_finite()) {
             bail!(
-                "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, or offer others",
+                "{}: {} is {} for the best set of {n} poses: they leave parameters undetermined; ask for more poses, \
+                 or offer other candidates",
                 self.file(),
                 report.index,
                 report.value
@@ -218,11 +223,11 @@ impl<'a> Job<'a> {
     fn warn(&self, report: &ChosenSet) {
         let n = report.poses.len();
         if n > MOST_POSES {
-            self.ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying"));
+            self.ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying off"));
         }
         if report.invisible > 0 {
             self.ui.warn(&format!(
-                "no candidate sees {} of the {} parameter directions; the index is taken over the others",
+                "no candidate determines {} of the {} parameter directions; the index is taken over the others",
                 report.invisible,
                 self.machine.mechanism.parameters().len()
             ));

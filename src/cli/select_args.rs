@@ -1,4 +1,4 @@
-//! What `select` is asked.
+//! Options of `select`.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ fn up_to(most: u64) -> RangedU64ValueParser<usize> {
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum ScalingChoice {
-    /// Rows over the noise, columns times the tolerance.
+    /// Rows divided by the noise, columns multiplied by the tolerance.
     Whitened,
     /// Millimetres and radians.
     Paper,
@@ -37,19 +37,19 @@ pub(crate) enum ScalingChoice {
 pub(crate) struct Args {
     /// Mechanism file with a [workspace].
     pub(crate) mechanism: PathBuf,
-    /// List of poses to write, with the joints to command.
+    /// Table to write: the poses, with the joints to command.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Page to write: the poses, how the choice came about, what it promises (HTML).
+    /// HTML page to write: the poses, how the search converged, the predicted accuracy.
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,
-    /// Number of poses in all, given ones included.
+    /// Total number of poses, given ones included.
     #[arg(short, value_name = "N", conflicts_with = "require", value_parser = up_to(MOST_SELECTED))]
     pub(crate) n: Option<usize>,
-    /// What is optimised: o1 to o5, or the predicted error of the calibrated pose.
+    /// Index to optimise: o1 to o5, or the predicted error of the calibrated pose.
     #[arg(long, default_value = "o1", value_parser = clap::builder::PossibleValuesParser::new(INDICES))]
     pub(crate) index: String,
-    /// How poses are chosen.
+    /// How to choose the poses.
     #[arg(long, default_value = "exchange", value_parser = clap::builder::PossibleValuesParser::new(SELECTORS))]
     pub(crate) selector: String,
     /// Number of random poses to choose from, or a list of the poses that can be measured.
@@ -64,13 +64,13 @@ pub(crate) struct Args {
     /// Units of the index; whitened where noise and tolerance are stated, else paper.
     #[arg(long, value_enum)]
     pub(crate) scaling: Option<ScalingChoice>,
-    /// Poses that are measured anyway; they are kept and count.
+    /// Poses that will be measured anyway; they are kept, and count.
     #[arg(long, value_name = "FILE")]
     pub(crate) given: Option<PathBuf>,
     /// Poses at which errors of the calibrated model matter; the whole workspace if absent.
     #[arg(long, value_name = "FILE")]
     pub(crate) targets: Option<PathBuf>,
-    /// Also show 7 to 60 poses, to see where measuring more stops paying.
+    /// Also show 7 to 60 poses, to see where measuring more stops paying off.
     #[arg(long)]
     pub(crate) table: bool,
     /// Choose the smallest number of poses whose calibration is predicted to be this accurate (RMS).
@@ -84,7 +84,7 @@ pub(crate) struct Args {
     /// Iterations (tabu-detmax).
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = up_to(MOST_ITERATIONS))]
     pub(crate) iterations: usize,
-    /// Seed of everything random.
+    /// Random seed.
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
 }
@@ -148,7 +148,7 @@ fn requirement(text: &str) -> Result<Requirement> {
             bail!("--require {text}: '{part}' must be positive");
         }
         if place.replace(value).is_some() {
-            bail!("--require {text}: state one length and one angle");
+            bail!("--require {text}: state at most one length and one angle");
         }
     }
     Ok(wanted)

@@ -19,7 +19,7 @@ use crate::cli::common::{JointsAndPose, Ui, joints_and_poses, verdict};
 pub(crate) struct Args {
     #[command(flatten)]
     case: CaseArgs,
-    /// Table of the best plan to write: joints to command, poses, and the conditions to wait for.
+    /// Table to write: the best plan, with joints to command, poses, and the conditions to wait for.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let (case, mut outputs) = args.case.read(&[args.output.as_ref()], ui)?;
     let (machine, question) = (&case.machine, case.question());
-    let progress = ui.progress("looking for measurements that settle".into());
+    let progress = ui.progress("looking for measurements that break the tie".into());
     let found = diagnose(&question).map_err(|error| case.about(error))?;
     let plans = settle(&question, &found).map_err(|error| case.about(error))?;
     progress.finish_and_clear();

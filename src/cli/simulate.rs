@@ -28,7 +28,7 @@ use crate::cli::effect_args::effect_entry;
     after_help = "Example: paracal simulate mechanisms/table5.toml --poses poses.csv -o data.csv --error-sd 0.5mm --truth truth.toml"
 )]
 pub(crate) struct Args {
-    /// Nominal mechanism file; the lengths are commanded by it.
+    /// Nominal mechanism file, from which the commanded lengths are computed.
     mechanism: PathBuf,
     /// List of poses to command.
     #[arg(long, value_name = "FILE")]
@@ -36,18 +36,18 @@ pub(crate) struct Args {
     /// Measurement file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Draw a normal error of this standard deviation for every parameter: angles get it divided by the mean radius of the
-    /// platform points, other parameters that are no lengths their tolerance, if it is stated. Or `tolerance`: every
-    /// parameter its own.
+    /// Draw a normal error with this standard deviation for every length; it is divided by the mean radius of the
+    /// platform points for angles, and other parameters take their tolerance, if it is stated. Or `tolerance`: every
+    /// parameter takes its own.
     #[arg(long, value_name = "LENGTH|tolerance", conflicts_with = "errors")]
     error_sd: Option<String>,
-    /// Parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm; for other mechanisms their own parameters, such
-    /// as o_deg.
+    /// Table of parameter errors: leg,xA_mm,yA_mm,zA_mm,xB_mm,yB_mm,zB_mm,h_mm; for other mechanisms their own
+    /// parameters, such as o_deg.
     #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
     /// An effect on the true mechanism or on the instrument: NAME=VALUE,… or NAME[leg=3]=VALUE,…, with row=40 or of=temp_x
-    /// in the brackets where it needs them. Values are in SI, all parameters in order. Repeat for more effects. The run is
-    /// the list of poses, whose columns state temperatures, elevation, payload and time.
+    /// in the brackets where the effect needs them. Values are in SI, one for each parameter in order. Repeat for more
+    /// effects. The list of poses is the run; its columns state temperatures, elevation, payload and time.
     #[arg(long = "effect", value_name = "NAME[leg=3]=VALUE,…")]
     effects: Vec<String>,
     /// 1 sigma of a measured position coordinate; that of the mechanism file if absent.
@@ -60,7 +60,7 @@ pub(crate) struct Args {
     /// plane (contact_mm); a height has the noise of a position.
     #[arg(long, default_value = "pose", value_parser = PossibleValuesParser::new(READING_KINDS.map(|kind| kind.name())))]
     measure: String,
-    /// Seed of errors and noise.
+    /// Random seed of errors and noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Also write the true mechanism.
@@ -103,7 +103,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let convention = &machine.convention;
     let simulated = simulate_run(mechanism, truth.as_ref(), &run, Some(&instrument), convention, &noise, &mut rng);
     let samples = simulated.map_err(|(row, cause)| {
-        let advice = "take poses nearer to home, or smaller errors";
+        let advice = "choose poses nearer to home, or smaller errors";
         anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
     })?;
     warn_outside(ui, mechanism, &samples);
@@ -157,7 +157,7 @@ fn true_values(
             Ok(mechanism.values().iter().zip(errors).map(|(v, e)| v + e).collect())
         }
         (None, Some(None)) if mechanism.parameters().iter().all(|p| p.tolerance.is_none()) => {
-            bail!("{}: --error-sd tolerance: state [tolerance], or name a length", args.mechanism.display())
+            bail!("{}: --error-sd tolerance: state [tolerance], or give a length", args.mechanism.display())
         }
         (None, Some(sd)) => Ok(draw_parameters(mechanism, sd, rng)),
         (None, None) => Ok(mechanism.values().to_vec()),
@@ -193,7 +193,11 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
         let (entry, active) = effect_entry(text, machine)?;
         let before = document.effects.iter().any(|e| e.label() == entry.label());
         if before {
-            bail!("--effect '{text}': {} is stated twice, here or in the mechanism file; keep one", active.label());
+            bail!(
+                "--effect '{text}': {} is stated twice, in the call or in the mechanism file; keep \
+                   one",
+                active.label()
+            );
         }
         document.effects.push(entry);
     }

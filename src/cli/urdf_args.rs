@@ -4,7 +4,7 @@ use crate::files::{HomeJoint, UrdfOptions};
 use crate::units::{Dimension, parse_quantity};
 use anyhow::{Result, anyhow, bail};
 
-/// What a URDF file leaves open.
+/// Options that supply what a URDF file lacks.
 #[derive(clap::Args)]
 #[command(next_help_heading = "URDF files")]
 pub(crate) struct UrdfArgs {
@@ -20,7 +20,8 @@ pub(crate) struct UrdfArgs {
     /// Joint coordinate of the assembled home, in m or rad or with a unit; may be repeated.
     #[arg(long, global = true, value_name = "JOINT=VALUE", allow_hyphen_values = true)]
     home: Vec<String>,
-    /// How far axes may miss their common point, and closing frames each other at home [default: 1e-4 of a leg].
+    /// How far axes may be from their common point, and closing frames from each other at home [default: 1e-4 of a
+    /// leg].
     #[arg(long, global = true, value_name = "LENGTH")]
     urdf_tolerance: Option<String>,
 }
@@ -46,9 +47,12 @@ impl UrdfArgs {
             let plain = value.parse::<f64>().ok().map(|v| (v, None));
             let with_unit = |d| parse_quantity(&value, d).ok().map(|v| (v, Some(d)));
             let found = plain.or_else(|| with_unit(Dimension::Length)).or_else(|| with_unit(Dimension::Angle));
-            let (value, dimension) = found
-                .filter(|(v, _)| v.is_finite())
-                .ok_or_else(|| anyhow!("--home {text}: '{value}' is no number with a unit of length or angle"))?;
+            let (value, dimension) = found.filter(|(v, _)| v.is_finite()).ok_or_else(|| {
+                anyhow!(
+                    "--home {text}: '{value}' is not a number with or without a unit of length or \
+                                        angle"
+                )
+            })?;
             Ok(HomeJoint { joint, value, dimension })
         };
         Ok(UrdfOptions {

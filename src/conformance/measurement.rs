@@ -119,9 +119,9 @@ impl<'a> Bench<'a> {
         let own_target = model.target_frame() == TargetFrame::Convention;
         let (frames, place) = match place {
             0 => (Frames::default(), ""),
-            1 => (Frames { target: Pose::identity(), ..elsewhere }, " with the tracker elsewhere"),
-            _ if own_target => (elsewhere, " with tracker and target elsewhere"),
-            _ => (Frames { target: Pose::identity(), ..elsewhere }, " with the tracker at another place"),
+            1 => (Frames { target: Pose::identity(), ..elsewhere }, " with the tracker in another frame"),
+            _ if own_target => (elsewhere, " with tracker and target in other frames"),
+            _ => (Frames { target: Pose::identity(), ..elsewhere }, " with the tracker at a different place"),
         };
         let poses: Vec<Pose> = poses.iter().map(|p| frames.platform(p)).collect();
         let all: Vec<Option<Pose>> = poses.iter().copied().map(Some).collect();

@@ -1,7 +1,6 @@
 //! Test suites for implementations of `Mechanism`, `MeasurementModel`, `Identifier`, `ObservabilityIndex`,
 //! `PoseSelector` and `Effect` (feature `conformance`).
-//!
-//! What was written elsewhere is checked with one call in one test:
+//! Checks your own implementation with one call in one test:
 //!
 //! ```no_run
 //! # fn check(mechanism: &dyn paracal::mechanism::Mechanism, workspace: &paracal::mechanism::Workspace) {

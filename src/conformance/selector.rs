@@ -113,7 +113,7 @@ impl<'a> Bench<'a> {
         let indices: [&dyn ObservabilityIndex; 2] = [&O1, &InverseVolume];
         for index in indices {
             for given in [&[], given] {
-                let context = format!("{count} poses beside {} given, index {}", given.len(), index.name());
+                let context = format!("{count} poses in addition to {} given, index {}", given.len(), index.name());
                 let problem = Problem { index, ..self.problem(count, given) };
                 let choice = self.choice(&context, &problem)?;
                 self.different(&context, &choice)?;
@@ -156,7 +156,7 @@ impl<'a> Bench<'a> {
     fn unusual(&self, enough: usize, pool: &Pool) -> Result<(), Violation> {
         // Given poses that determine everything, so that one more pose has a value.
         let given: Vec<DMatrix<f64>> = (0..enough).map(|k| pool.rows(k)).collect();
-        self.choice("one pose beside given ones", &self.problem(1, &given))?;
+        self.choice("one pose in addition to given ones", &self.problem(1, &given))?;
         let all = self.candidates.len();
         let everything = self.choice("all candidates", &self.problem(all, &[]))?;
         self.different("all candidates", &everything)?;

@@ -76,7 +76,7 @@ fn complete_rows(data: &Dataset) -> (Dataset, Vec<String>) {
     let whole = |k: &usize| nearly.iter().all(|name| data.sample(*k).conditions.get(name).is_some());
     let (kept, gaps): (Vec<usize>, Vec<usize>) = (0..n).partition(whole);
     if gaps.is_empty() || (kept.len() as f64) < MOST * n as f64 {
-        let warning = format!("{} have empty cells; what depends on them is not looked for", nearly.join(", "));
+        let warning = format!("{} have empty cells; effects that depend on them are not tested", nearly.join(", "));
         return (data.clone(), if nearly.is_empty() { Vec::new() } else { vec![warning] });
     }
     let rows: Vec<String> = gaps.iter().map(|k| data.sample(*k).row.to_string()).collect();

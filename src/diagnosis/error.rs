@@ -1,4 +1,4 @@
-//! What keeps a diagnosis from being made.
+//! Errors of a diagnosis.
 
 use thiserror::Error;
 
@@ -11,22 +11,22 @@ pub enum DiagnoseError {
     /// The data leave nothing to look at after the kinematic parameters.
     #[error(
         "{samples} samples give {rows} equations, which leaves {free:.0} degrees of freedom after the parameters; at least \
-         {needed} are needed to look for causes: measure more poses, and different ones"
+         {needed} are needed to look for causes: measure more, and more varied, poses"
     )]
     TooFewRows {
         /// Samples.
         samples: usize,
         /// Rows.
         rows: usize,
-        /// What is left.
+        /// Remaining degrees of freedom.
         free: f64,
-        /// What is needed.
+        /// Required degrees of freedom.
         needed: usize,
     },
     /// Every row is a place where something may have changed, so that time and memory grow faster than the rows.
     #[error(
-        "{samples} samples are too many to look for causes in, at most {most} can be searched: diagnose parts of the run one \
-         after the other, or average samples that repeat each other"
+        "{samples} samples are too many to search for causes, at most {most} are possible: diagnose parts of the run \
+         separately, or average repeated samples"
     )]
     TooManySamples {
         /// Samples.
@@ -36,8 +36,8 @@ pub enum DiagnoseError {
     },
     /// Many samples do not agree with any model, so that none can be judged.
     #[error(
-        "{outliers} of {samples} samples do not fit together with the others; no cause can be named from the rest: check \
-         the file"
+        "{outliers} of {samples} samples are inconsistent with the others, and the rest are too few to name a cause: \
+         check the file"
     )]
     NothingFits {
         /// Samples that were left out.

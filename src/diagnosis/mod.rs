@@ -1,32 +1,31 @@
 //! From residuals to causes: what the model gets wrong, and why.
-//!
-//! After the best kinematic parameters something is left. [`diagnose`] gives one of five answers, always:
+//! Even the best-fit kinematic parameters leave a residual. [`diagnose`] always gives one of five answers:
 //!
 //! | verdict | meaning |
 //! |---|---|
-//! | clean | what is left is noise |
+//! | clean | the residuals are noise |
 //! | named | causes of the [catalogue](crate::effect::Catalogue) explain it |
 //! | tied | they do, but the data do not exclude other names |
-//! | unknown | something depends on a covariate, or sits at a leg, and no name explains it |
+//! | unknown | an error depends on a covariate, or is at a leg, and no name explains it |
 //! | misread | the file was read wrongly: a sign, a unit, an order |
+//! The steps, with their files:
 //!
-//! The way there, with the file that goes it:
-//!
-//! 1. **Preflight** (`preflight`, `readings`): would the file fit much better if it were read otherwise?
-//! 2. **Baseline** (`subject`, `table`): the parameters are identified with a prior of two tolerances, which keeps the two weak
+//! 1. **Preflight** (`preflight`, `misreadings`): would the file fit much better if it were read otherwise?
+//! 2. **Baseline** (`hypotheses`, `design_matrix`): the parameters are identified with a prior of two tolerances, which
+//! keeps the two weak
 //!    directions of each leg finite, and the columns of everything are computed once.
 //! 3. **Outliers** (`outliers`): samples that fit nothing, judged again after every step.
 //! 4. **Search** (`search`): all columns are projected off those of the parameters (`model`). Names are *detected*
 //!    by a test at a family-wise level with all places of a scan counted, and *chosen* by their marginal likelihood
 //!    with priors of physical size, heavy-tailed by a mixture of widths. One is added, all are tried in each other's
 //!    places, and so on; then parameters and values are identified together and the columns computed anew.
-//! 5. **Ties**: every other name within a factor of 20 in evidence is told.
-//! 6. **Remainder** (`remainder`): tests that know no cause. If one finds something the answer is *unknown*, and if
+//! 5. **Ties**: every other name within a factor of 20 in evidence is reported.
+//! 6. **Remainder** (`remainder`): tests without a named cause. If one finds something, the answer is *unknown*, and if
 //!    one covariate at one leg explains more than all names together the names are withdrawn.
 //! 7. **Gain** (`gain`): errors on rows that were not fitted, with the causes and without.
 //!
 //! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
-//! is not harmless: a pivot that shifts looks well within the measured range and is wrong outside.
+//! is not harmless: a shifting pivot looks right within the measured range and is wrong outside.
 
 mod answer;
 mod diagnose;

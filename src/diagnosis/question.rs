@@ -8,14 +8,14 @@ use crate::pose::PoseConvention;
 /// Tolerances by which parameters may differ from the drawing.
 pub(crate) const TOLERANCES: f64 = 2.0;
 
-/// What a diagnosis starts from.
+/// Input of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Question<'a> {
     /// The mechanism without effects.
     pub mechanism: &'a dyn Mechanism,
     /// The samples.
     pub data: &'a Dataset,
-    /// What stands around the mechanism.
+    /// Surroundings of the mechanism.
     pub environment: Environment,
     /// How the data write poses.
     pub convention: PoseConvention,

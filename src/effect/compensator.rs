@@ -1,4 +1,4 @@
-//! What to command so that a mechanism with effects takes a pose.
+//! Commands with which a mechanism with effects takes a pose.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub struct Compensated {
     pub joints: Vec<f64>,
     /// The pose that the platform takes; of lower mobility it takes the wanted one as far as its joints control it.
     pub taken: Pose,
-    /// The same as it is asked for: where the instrument sees it, or as it is.
+    /// The pose in the terms of the request: as the instrument sees it, or as it is.
     pub seen: Pose,
     /// Effects that did nothing, with what they need and the state has not.
     pub lacking: Vec<(String, Vec<String>)>,
@@ -40,7 +40,7 @@ pub struct Compensated {
 /// A covariate outside of the range on which an effect was fitted, SI and °C.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extrapolated {
-    /// What the effect is called, with its place.
+    /// Name of the effect, with its place.
     pub effect: String,
     /// The covariate.
     pub covariate: String,
@@ -93,7 +93,7 @@ impl Compensator {
         &self.left_out
     }
 
-    /// What to command for a pose in a state.
+    /// Joints to command for a pose in a state.
     ///
     /// # Errors
     /// [`KinematicsError`] if the pose has no joints.

@@ -1,4 +1,4 @@
-//! What effects are given: the machine, what was recorded, and the sample at hand.
+//! Context of effects: the machine, the recorded data, and the current sample.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -22,14 +22,14 @@ pub struct Sensor {
     pub place: Vector3<f64>,
 }
 
-/// What a mechanism file states about the world around the mechanism, SI.
+/// Surroundings of the mechanism as its file states them, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
     /// What the covariates of its data mean.
     pub condition_kinds: ConditionTable,
     /// Temperature at which the geometry holds, °C.
     pub reference_temperature: Option<f64>,
-    /// The same for single covariates, where no common one is stated: the means of the run.
+    /// Reference temperatures of single covariates where no common one is stated, °C: the means of the run.
     pub references: BTreeMap<String, f64>,
     /// Mass of the platform, kg.
     pub mass: Option<f64>,
@@ -47,13 +47,13 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// The same with the mean of every temperature of a run as reference where none is stated.
+    /// This environment with the mean of every temperature of a run as its reference where none is stated.
     #[must_use]
     pub fn with_references_of(&self, data: &Dataset) -> Self {
         self.with_references_among(data.iter().map(|s| &s.conditions))
     }
 
-    /// The same for the states of a list.
+    /// This environment with the means over the states of a list as references where none are stated.
     #[must_use]
     pub fn with_references_among<'a>(&self, states: impl Iterator<Item = &'a Conditions>) -> Self {
         let kinds = &self.condition_kinds;
@@ -91,7 +91,7 @@ impl Environment {
     }
 }
 
-/// What was recorded with the samples.
+/// Data recorded with the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AvailableData {
     /// Covariates that every sample has.
@@ -107,7 +107,7 @@ pub struct AvailableData {
 }
 
 impl AvailableData {
-    /// What every sample of `data` has.
+    /// The data that every sample of `data` has.
     pub fn of(data: &Dataset) -> Self {
         let mut samples = data.iter();
         let Some(first) = samples.next() else { return Self::default() };
@@ -151,12 +151,12 @@ impl AvailableData {
 pub struct EffectContext<'a> {
     /// The mechanism without effects.
     pub mechanism: &'a dyn Mechanism,
-    /// What stands around it.
+    /// Surroundings of the mechanism.
     pub environment: &'a Environment,
     home: Home,
 }
 
-/// What effects measure from: the mechanism at home.
+/// Reference of the effects: the mechanism at home.
 #[derive(Clone, Debug)]
 pub(super) struct Home {
     joints: Arc<[f64]>,

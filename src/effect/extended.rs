@@ -29,7 +29,7 @@ pub struct ActiveEffect {
 }
 
 impl ActiveEffect {
-    /// What people call it: `drift.leg[leg=3]`.
+    /// Display name, such as `drift.leg[leg=3]`.
     pub fn label(&self) -> String {
         label(self.effect.name(), &self.at)
     }
@@ -136,7 +136,7 @@ impl Extended {
         &self.effects
     }
 
-    /// What stands around it.
+    /// Surroundings of the mechanism.
     pub fn environment(&self) -> &Arc<Environment> {
         &self.environment
     }

@@ -26,7 +26,7 @@ pub struct WithInstrumentEffects {
 }
 
 impl WithInstrumentEffects {
-    /// The same data seen through those of the effects that act on the measurement; unchanged if there are none.
+    /// The data seen through those of the effects that act on the measurement; unchanged if there are none.
     /// `mechanism` is the one without effects.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Effects: what the world does to a mechanism beyond its kinematic parameters.
+//! Effects: influences on a mechanism beyond its kinematic parameters.
 //!
 //! An effect is a function of the operating state of a sample (temperatures, gravity, history, time) that perturbs
 //! the parameters `C`, the joint coordinates `h`, or the measured pose:
@@ -19,7 +19,7 @@
 //! | gravity | `compliance.*`, `sag.*` | |
 //! | time | `drift.*`, `step.*` | |
 //!
-//! [`Effect`] is the trait; a consumer's own effect stands beside those of the crate in a [`Catalogue`]. [`Extended`] is a
+//! [`Effect`] is the trait; your own effects work like those of the crate in a [`Catalogue`]. [`Extended`] is a
 //! mechanism with effects, and again a [`Mechanism`](crate::mechanism::Mechanism): identification, pose selection, compensation and files work with
 //! it unchanged. Effects on the measurement are parameters of the measurement ([`WithInstrumentEffects`]).
 
@@ -50,7 +50,7 @@ use crate::units::Dimension;
 pub struct EffectParameter {
     /// Its name in files and results: `expansion`, `scale3`.
     pub name: String,
-    /// What it measures; values are in SI.
+    /// Dimension; values are in SI.
     pub dimension: Dimension,
     /// Size that it has in sound machines, SI: the scale of its prior. It decides between names and never shrinks a value.
     pub scale: f64,
@@ -63,7 +63,7 @@ impl EffectParameter {
     }
 }
 
-/// What an effect acts on.
+/// Target of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActsOn {
     /// Joints or geometry: the platform moves, and commands can compensate it.
@@ -83,10 +83,10 @@ pub trait Effect: Debug + Send + Sync {
     /// The cause, in one sentence that a mechanic understands.
     fn cause(&self) -> &str;
 
-    /// What to do about it.
+    /// The remedy.
     fn remedy(&self) -> &str;
 
-    /// What it acts on.
+    /// Target of the effect.
     fn acts_on(&self) -> ActsOn {
         ActsOn::Mechanism
     }
@@ -96,14 +96,14 @@ pub trait Effect: Debug + Send + Sync {
         false
     }
 
-    /// What is missing to test it: columns of the data, entries of the mechanism file, or a property of the mechanism.
-    /// Empty if it can be tested.
+    /// Missing requirements for testing it: columns of the data, entries of the mechanism file, or a property of the
+    /// mechanism. Empty if it can be tested.
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String>;
 
     /// Its parameters.
     fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter>;
 
-    /// What is not known beside the parameters, and is tried out.
+    /// Unknowns in addition to the parameters, which are scanned.
     fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
         Scan::None
     }

@@ -1,4 +1,4 @@
-//! What an effect needs to act, and where it was fitted.
+//! Data that an effect needs to act, and the range over which it was fitted.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ impl AvailableData {
         Self { covariates, gravity: true, run: true, moves: all_moves(), samples: usize::MAX }
     }
 
-    /// What one state has; how the joints got there is taken as known.
+    /// The data of one state; the history of the joints is taken as known.
     pub fn of_state(state: &Conditions) -> Self {
         let covariates = state.covariates.keys().cloned().collect();
         Self { covariates, gravity: state.gravity.is_some(), run: true, moves: all_moves(), samples: 1 }
@@ -30,7 +30,7 @@ fn all_moves() -> Vec<f64> {
 }
 
 impl ActiveEffect {
-    /// What it needs to act and `recorded` has not.
+    /// Data that the effect needs to act and that `available` lacks.
     pub fn lacking(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let own = self.own_temperatures(context);
         if own.is_empty() {

@@ -1,4 +1,4 @@
-//! What an effect does at one sample.
+//! Perturbation by an effect at one sample.
 
 use nalgebra::{Matrix6xX, Vector6};
 

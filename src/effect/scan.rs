@@ -1,6 +1,6 @@
-//! What of an effect is not known beside its parameters.
+//! Unknowns of an effect in addition to its parameters.
 
-/// What is tried out. Each place that was tried is paid for in the test (Bonferroni) and in the evidence.
+/// The values to try. Each place that is tried is paid for in the test (Bonferroni) and in the evidence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Scan {
     /// Nothing.

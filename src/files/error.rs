@@ -1,4 +1,4 @@
-//! What can be wrong with a file.
+//! Errors of files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use crate::files::finding::{Finding, findings_text};
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 
-/// What can be wrong with a file; every message names the file, the place and the remedy.
+/// Errors of files; every message names the file, the place and the remedy.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -17,7 +17,7 @@ pub enum FileError {
     Read {
         /// File.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         cause: std::io::Error,
     },
     /// It is a folder.
@@ -55,7 +55,7 @@ pub enum FileError {
     Urdf {
         /// File.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Problems found in the file.
         findings: Vec<Finding>,
     },
     /// A value of a mechanism file is not acceptable.
@@ -65,7 +65,7 @@ pub enum FileError {
         path: PathBuf,
         /// Section and key.
         place: String,
-        /// What is wrong, and what to do.
+        /// The problem and its remedy.
         problem: String,
     },
     /// A unit of a mechanism file.
@@ -83,7 +83,7 @@ pub enum FileError {
     Geometry {
         /// File.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         cause: GeometryError,
     },
     /// A header of a table.
@@ -93,7 +93,7 @@ pub enum FileError {
         path: PathBuf,
         /// Column as it is named in the file.
         column: String,
-        /// What is wrong, and what to do.
+        /// The problem and its remedy.
         problem: String,
     },
     /// The header as a whole.
@@ -101,7 +101,7 @@ pub enum FileError {
     Header {
         /// File.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// The problem and its remedy.
         problem: String,
     },
     /// A row has too few or too many cells.
@@ -133,9 +133,9 @@ pub enum FileError {
         line: u64,
         /// Column.
         column: String,
-        /// What the cell holds.
+        /// Content of the cell.
         value: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The pose of a row has no joints.
@@ -145,7 +145,7 @@ pub enum FileError {
         path: PathBuf,
         /// 0-based data row.
         row: usize,
-        /// What is wrong.
+        /// The problem.
         cause: KinematicsError,
     },
     /// An output cannot be written; nothing was.
@@ -153,7 +153,7 @@ pub enum FileError {
     Write {
         /// File.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         cause: std::io::Error,
     },
     /// Some outputs are in place, and the next could not follow.
@@ -161,7 +161,7 @@ pub enum FileError {
     Partly {
         /// File that could not be put in place.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         cause: std::io::Error,
         /// The last file that was put in place.
         written: PathBuf,

@@ -1,4 +1,4 @@
-//! What a URDF file has wrong, each with a name, a place and a remedy.
+//! Problems of a URDF file, each with a name, a place and a remedy.
 
 use std::fmt;
 use std::path::Path;
@@ -130,13 +130,13 @@ impl fmt::Display for FindingKind {
 /// One thing that is wrong, or worth knowing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// What it is.
+    /// Kind of problem.
     pub kind: FindingKind,
     /// Name of the link, joint or closure; empty if it is about the whole file.
     pub element: String,
     /// Line of the element, from 1.
     pub line: Option<usize>,
-    /// What is wrong, and what to do.
+    /// The problem and its remedy.
     pub text: String,
 }
 

@@ -33,7 +33,7 @@ pub struct Machine {
     pub targets: Vec<TargetPoint>,
     /// The plane over which heights are measured, and of which point.
     pub contact: Contact,
-    /// What stands around the mechanism.
+    /// Surroundings of the mechanism.
     pub(super) environment: Arc<Environment>,
     /// The effects that its file may state.
     pub(super) catalogue: Catalogue,
@@ -43,7 +43,7 @@ pub struct Machine {
     pub length_unit: Unit,
     /// Unit of its angles.
     pub angle_unit: Unit,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Every file that it was read from.
     pub(super) inputs: Vec<PathBuf>,
@@ -86,7 +86,7 @@ impl Machine {
         FileUnits { length: self.length_unit, angle: self.angle_unit }
     }
 
-    /// What its file states about the world around the mechanism: masses, screws, sensors, reference temperatures.
+    /// Surroundings of the mechanism as the file states them: masses, screws, sensors, reference temperatures.
     pub fn environment(&self) -> &Arc<Environment> {
         &self.environment
     }

@@ -3,7 +3,7 @@
 //! * [`Machine`] is a mechanism file: the mechanism, and what else is known about it (workspace, noise,
 //!   targets). Units are named in the file; everything is SI once it is read.
 //! * [`read_measurement`], [`read_poses`] and [`read_conditions`] read CSV whose column names carry the unit.
-//! * [`Outputs`] writes files whole or not at all.
+//! * [`Outputs`] writes files completely or not at all.
 //!
 //! Errors name the file, the place in it, the value and what to do ([`FileError`]).
 

@@ -22,7 +22,7 @@ impl Machine {
         Self::read_with(path, &ReadOptions::default())
     }
 
-    /// Reads a mechanism file with effects and conditions of one's own, or with what a URDF file leaves open.
+    /// Reads a mechanism file with effects and conditions of your own, or with options that supply what a URDF file lacks.
     ///
     /// # Errors
     /// [`FileError`] naming the place and what to do; also if options of URDF are given for another file.
@@ -37,7 +37,7 @@ impl Machine {
             return urdf::read_named(path, &text, &robot, options);
         }
         if !options.urdf.is_empty() {
-            let problem = "closures, links and joint coordinates are stated for URDF files only, and this is none";
+            let problem = "closures, links and joint coordinates are for URDF files only, and this is not one";
             return Err(value("the call", format!("{problem}; leave the options out")));
         }
         let machine = Self::from_text_with(&text, path, options);
@@ -48,7 +48,7 @@ impl Machine {
         ) && robot.is_file()
             && !text.contains("[[leg]]")
         {
-            let problem = format!("there is none; this file belongs to '{}', name that one", robot.display());
+            let problem = format!("is missing; this file belongs to '{}', name that one", robot.display());
             return Err(value("[[leg]]", problem));
         }
         machine

@@ -48,7 +48,7 @@ impl Outputs {
         match fs::metadata(folder) {
             Ok(meta) if meta.is_dir() => Ok(()),
             Ok(_) => {
-                let problem = format!("'{}' is a file and not a folder", folder.display());
+                let problem = format!("'{}' is a file, not a folder", folder.display());
                 Err(write_error(path, std::io::Error::other(problem)))
             }
             Err(cause) => {

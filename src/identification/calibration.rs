@@ -15,12 +15,12 @@ use crate::mechanism::{Mechanism, Workspace};
 use crate::observability::PredictedError;
 use crate::pose::PoseConvention;
 
-/// What is asked of a calibration.
+/// Options of a calibration.
 #[derive(Clone, Debug)]
 pub struct CalibrationOptions {
     /// Where priors come from.
     pub prior: PriorPolicy,
-    /// How rows are weighted.
+    /// How to weight the rows.
     pub weights: Weights,
     /// Which rows are held out to measure the errors.
     pub holdout: Holdout,
@@ -58,7 +58,7 @@ pub struct Calibration {
     pub parameters: Vec<Estimate>,
     /// Covariance of the mechanism's parameters, in the same frames.
     pub covariance: DMatrix<f64>,
-    /// What the identifier found, in the frames of the nominal mechanism.
+    /// Result of the identifier, in the frames of the nominal mechanism.
     pub identification: Identification,
     /// True if the iteration converged.
     pub converged: bool,

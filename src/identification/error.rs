@@ -12,7 +12,7 @@ use crate::solve::SolveError;
 #[non_exhaustive]
 pub enum IdentifyError {
     /// No sample, or none with a reading.
-    #[error("the data have no reading; add rows with a measured pose or targets")]
+    #[error("the data contain no readings; add rows with a measured pose or targets")]
     Empty,
     /// Too few rows, and no prior to make up for them.
     #[error(
@@ -30,13 +30,13 @@ pub enum IdentifyError {
         needed: usize,
     },
     /// A prior was asked for, and no parameter has a tolerance.
-    #[error("a prior was asked for, but the mechanism has no [tolerance]; state one, or calibrate without a prior")]
+    #[error("a prior was requested, but the mechanism has no [tolerance]; state one, or calibrate without a prior")]
     NoTolerance,
     /// A prior has no meaning with unweighted rows.
-    #[error("a prior needs rows that are weighted by the noise; drop `--weights none` or `--prior tolerance`")]
+    #[error("a prior needs rows weighted by their noise; drop `--weights none` or `--prior tolerance`")]
     PriorWithoutWeights,
     /// A measurement model has no start for its own parameters.
-    #[error("the measurement has {expected} parameters of its own, but {found} finite start values")]
+    #[error("the measurement has {expected} parameters of its own, but {found} finite starting values")]
     Start {
         /// Parameters of the measurement.
         expected: usize,
@@ -50,7 +50,7 @@ pub enum IdentifyError {
         row: DataRow,
         /// ` (id)`, or nothing.
         label: String,
-        /// What failed.
+        /// The failure.
         cause: KinematicsError,
     },
     /// The covariance of one sample cannot be used.
@@ -62,7 +62,7 @@ pub enum IdentifyError {
     /// The iterations were used up. Where they led is kept, so that it can be shown, but it is no result.
     #[error("{cause}")]
     NotConverged {
-        /// What the solver says.
+        /// Error of the solver.
         cause: SolveError,
         /// Where the iteration stood.
         last: Box<Identification>,
@@ -71,7 +71,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Solve(#[from] SolveError),
     /// The identified values are no mechanism.
-    #[error("the identified parameters are no mechanism: {0}")]
+    #[error("the identified parameters do not form a valid mechanism: {0}")]
     Geometry(#[from] GeometryError),
     /// The data that were set apart to check the result cannot be used.
     #[error("held-out data: {0}")]

@@ -7,7 +7,7 @@
 //!
 //! | identifier | rows weighted by | use |
 //! |---|---|---|
-//! | [`LevenbergMarquardt`] | noise; tolerance as prior where the data do not decide | the default |
+//! | [`LevenbergMarquardt`] | noise; tolerance as prior where the data do not determine the parameters | the default |
 //! | [`LeastSquares`] | noise, or mm and rad as they are | the paper's iteration (section 4.1), for reproduction |
 //! | [`Robust`] | noise, and less for samples that do not fit | data with gross errors |
 //!
@@ -15,13 +15,13 @@
 //!
 //! 1. [`register`]: real data are in the tracker's frame; find the frames from any orientation,
 //! 2. choose the prior ([`PriorPolicy`]),
-//! 3. identify, and carry the result back into the tracker's frame,
+//! 3. identify, and transform the result back into the tracker's frame,
 //! 4. judge: rank and [`weak_directions`], plausibility after the rigid motions are taken out
 //!    ([`plausibility`]), misfit ([`GoodnessOfFit`]), errors on rows that were not fitted ([`HeldOut`]), predicted
 //!    errors over the workspace.
 //!
-//! Eighteen directions of the 42 are pure convention: six for where the tracker stands, six for where the
-//! target sits, six leg offsets. They are identified like any other, reported, and not judged.
+//! Eighteen of the 42 directions are pure convention: six for the place of the tracker, six for that of the target, six
+//! leg offsets. They are identified like any other, reported, and not judged.
 
 mod calibrate;
 mod calibration;

@@ -27,7 +27,7 @@ pub struct Registration {
     pub applied: bool,
     /// Median over the samples of the distance between measured and nominal poses (angles times the size) before, m.
     pub before: f64,
-    /// The same with the frames, m.
+    /// Median distance between measured and nominal poses after registration, m.
     pub after: f64,
 }
 

@@ -4,7 +4,7 @@ use crate::identification::problem::prior::{FrameConvention, PriorPolicy};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 
-/// How rows are weighted.
+/// How to weight the rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
     /// By the covariance of the reading and of the joints.
@@ -23,7 +23,7 @@ pub struct Task<'a> {
     pub data: &'a Dataset,
     /// Where priors come from.
     pub prior: PriorPolicy,
-    /// How rows are weighted.
+    /// How to weight the rows.
     pub weights: Weights,
     /// Whether the data are in the frames of the mechanism file, for a prior.
     pub convention: FrameConvention,

@@ -94,7 +94,7 @@ impl Dataset {
         &self.model
     }
 
-    /// What the rows of the `k`-th kept sample measure.
+    /// Kinds of the rows of the `k`-th kept sample.
     pub fn rows(&self, k: usize) -> Vec<RowKind> {
         self.model.rows(self.kept[k])
     }
@@ -109,7 +109,7 @@ impl Dataset {
         Self { kept: positions.iter().map(|&k| self.kept[k]).collect(), ..self.clone() }
     }
 
-    /// The same data with another model of the same readings.
+    /// These data with another model of their readings.
     ///
     /// # Panics
     /// If the model has another number of samples, which is a mistake of the caller.
@@ -119,7 +119,7 @@ impl Dataset {
         Self { model, ..self.clone() }
     }
 
-    /// The same data seen with these frames.
+    /// These data with other frames.
     pub fn with_frames(&self, frames: Frames) -> Self {
         Self { frames, ..self.clone() }
     }

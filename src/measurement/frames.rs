@@ -17,7 +17,7 @@ impl Frames {
         self.base == Pose::identity() && self.target == Pose::identity()
     }
 
-    /// What is measured when the platform is at `pose`: `B T A`.
+    /// Measured pose when the platform is at `pose`: `B T A`.
     pub fn measured(&self, pose: &Pose) -> Pose {
         self.base.compose(pose).compose(&self.target)
     }

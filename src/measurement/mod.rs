@@ -1,4 +1,4 @@
-//! What was measured: samples, their noise, and how a reading depends on the pose.
+//! Measurements: samples, their noise, and how a reading depends on the pose.
 //!
 //! A [`Dataset`] is a list of [`Sample`]s (joints and operating state) and one [`MeasurementModel`] that
 //! knows the readings. A reading contributes `k` rows: six for a full pose, fewer where coordinates were not
@@ -48,7 +48,7 @@ pub use targets::{TargetMeasurement, TargetPoint};
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
 
-/// What a row measures, so that position and rotation can be reported apart.
+/// Kind of quantity that a row measures, so that position and rotation can be reported separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowKind {
     /// A length, m.
@@ -61,13 +61,13 @@ pub enum RowKind {
 ///
 /// Samples are counted in the order in which they were measured; a [`Dataset`] may hold a part of them.
 pub trait MeasurementModel: Debug + Send + Sync {
-    /// What is measured, in a few words.
+    /// Short description of the measurement.
     fn describe(&self) -> String;
 
     /// Number of samples.
     fn samples(&self) -> usize;
 
-    /// What each row of a sample measures; its length is the number `k` of rows.
+    /// Kind of each row of a sample; its length is the number `k` of rows.
     fn rows(&self, sample: usize) -> Vec<RowKind>;
 
     /// Parameters of the measurement that are identified together with those of the mechanism.
@@ -77,7 +77,7 @@ pub trait MeasurementModel: Debug + Send + Sync {
 
     /// Heading of the table of these parameters.
     fn nuisance_heading(&self) -> &'static str {
-        "Identified with the measurement"
+        "Identified measurement parameters"
     }
 
     /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;
@@ -103,7 +103,7 @@ pub trait MeasurementModel: Debug + Send + Sync {
         None
     }
 
-    /// What is known of the place of the target on the platform.
+    /// Knowledge about the place of the target on the platform.
     fn target_frame(&self) -> TargetFrame {
         TargetFrame::Convention
     }
@@ -112,7 +112,7 @@ pub trait MeasurementModel: Debug + Send + Sync {
     fn point(&self, sample: usize) -> Option<PointReading>;
 }
 
-/// What is known of the place of the target on the platform.
+/// Knowledge about the place of the target on the platform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetFrame {
     /// Nothing: it is a matter of convention ([`Frames::target`]), and the calibrated platform frame is the

@@ -31,7 +31,7 @@ impl Plane {
         self.normal.dot(point) - self.distance
     }
 
-    /// The same plane in a frame in which its own frame has the pose `frame`.
+    /// This plane in a frame in which its own frame has the pose `frame`.
     pub fn seen_from(&self, frame: &Pose) -> Self {
         let normal = frame.rotation * self.normal;
         Self { normal, distance: self.distance + normal.dot(&frame.position) }
@@ -123,7 +123,7 @@ impl PlaneContact {
         Self { contact, readings, axes, own }
     }
 
-    /// What was stated, with the identified plane put in; it counts as known then.
+    /// The stated contact with the identified plane inserted, which then counts as known.
     pub fn located(&self, own: &[f64]) -> Contact {
         Contact { plane: self.plane(own), known: true, ..self.contact }
     }

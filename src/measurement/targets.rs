@@ -86,7 +86,7 @@ impl MeasurementModel for TargetMeasurement {
         let n = self.targets.len();
         match unknown {
             0 => format!("{n} target points"),
-            _ => format!("{n} target points, {unknown} of them at unknown places of the platform"),
+            _ => format!("{n} target points, {unknown} of them at unknown places on the platform"),
         }
     }
 

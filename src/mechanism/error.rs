@@ -1,4 +1,4 @@
-//! What can be wrong with a geometry or a pose.
+//! Errors of geometries and kinematics.
 
 use thiserror::Error;
 
@@ -111,17 +111,16 @@ pub enum GeometryError {
 pub enum KinematicsError {
     /// The joints lead to no pose that is connected with the start.
     #[error(
-        "the joints are out of reach: from the starting pose they can be followed for {percent:.1} % of the way \
-         ({cause})"
+        "the joints are out of reach: from the starting pose only {percent:.1} % of the way can be followed ({cause})"
     )]
     OutOfReach {
         /// How far the joints could be followed from those of the start, %.
         percent: f64,
-        /// What stopped the last attempt.
+        /// Error that ended the last attempt.
         cause: NewtonError,
     },
     /// `J₁` has no inverse: the platform can move while the joints stand still.
-    #[error("singular pose: with fixed joints the platform is not held (pivot ratio {pivot_ratio:.1e})")]
+    #[error("singular pose: with its joints locked the platform is not held (pivot ratio {pivot_ratio:.1e})")]
     Singular {
         /// Smallest over largest pivot of `J₁`.
         pivot_ratio: f64,
@@ -149,7 +148,7 @@ pub enum KinematicsError {
         residual: f64,
     },
     /// The loops close only beyond a dead point of a joint.
-    #[error("the loops close at this pose only on another branch than that of home; take a pose nearer to home")]
+    #[error("the loops close at this pose only on a different branch from home; take a pose nearer to home")]
     OtherBranch,
     /// Wrong number of joints.
     #[error("expected {expected} joint coordinates, found {found}")]

@@ -1,4 +1,4 @@
-//! Mechanisms: what they are made of, and how joints, parameters and pose hang together.
+//! Mechanisms: their parts, and how joints, parameters and pose are related.
 //!
 //! A parallel mechanism is a set of `m ≥ 6` **closure equations** `f(q, h, C) = 0` in the pose `q`, the joint
 //! coordinates `h` and the kinematic parameters `C`. Everything else follows from their derivatives
@@ -59,7 +59,7 @@ use crate::pose::Pose;
 /// Methods take the parameters `c` as an argument, in the order of [`parameters`](Self::parameters), so that
 /// an identification can try values without building mechanisms. All numbers are SI.
 pub trait Mechanism: Any + Debug + Send + Sync {
-    /// What people call it.
+    /// Display name.
     fn name(&self) -> &str;
 
     /// Name, unit, nominal value, tolerance and role of each parameter: the order of `C`, eq. (15).
@@ -69,7 +69,7 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// [`parameters`](Self::parameters).
     fn values(&self) -> &[f64];
 
-    /// The same mechanism with other parameter values and another home.
+    /// A mechanism of this kind with other parameter values and another home.
     ///
     /// # Errors
     /// [`GeometryError`] if no mechanism has these values.
@@ -90,9 +90,9 @@ pub trait Mechanism: Any + Debug + Send + Sync {
         [true; 6]
     }
 
-    /// The same mechanism as an instrument sees it: with the base at `base` in the instrument's frame and the target at
-    /// `target` on the platform. `None` if the parameters can be carried into these frames instead, because base and
-    /// platform are made of their points alone.
+    /// This mechanism as an instrument sees it: with the base at `base` in the instrument's frame and the target at
+    /// `target` on the platform. `None` if the parameters can be transformed into these frames instead, because base
+    /// and platform are made of their points alone.
     fn mounted(&self, _base: &Pose, _target: &Pose) -> Option<Box<dyn Mechanism>> {
         None
     }

@@ -1,4 +1,4 @@
-//! What a parameter or a joint is.
+//! Specifications of parameters and joints.
 
 use crate::units::Dimension;
 
@@ -23,7 +23,7 @@ impl Axis {
     }
 }
 
-/// What a parameter is, so that frames, plausibility, weak directions and effects find what they act on in any
+/// Role of a parameter, by which frames, plausibility, weak directions and effects find what they act on in any
 /// mechanism. Legs count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRole {
@@ -84,13 +84,13 @@ impl ParameterRole {
 pub struct ParameterSpec {
     /// Name in results: `xA1 … h1 … zB6`.
     pub name: String,
-    /// What it measures; values are in SI.
+    /// Dimension; values are in SI.
     pub dimension: Dimension,
     /// Value of the design, SI; NaN if there is none.
     pub nominal: f64,
     /// 1σ of manufacture, if it is known.
     pub tolerance: Option<f64>,
-    /// What it is.
+    /// Role in the mechanism.
     pub role: ParameterRole,
 }
 
@@ -99,7 +99,7 @@ pub struct ParameterSpec {
 pub struct JointSpec {
     /// Name of its column in measurement files: `leg1`.
     pub name: String,
-    /// What it measures; values are in SI.
+    /// Dimension; values are in SI.
     pub dimension: Dimension,
     /// Smallest and largest allowed coordinate, SI.
     pub stroke: Option<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! What joints and conditioning do over a workspace.
+//! Ranges of joints and conditioning over a workspace.
 
 use super::{Mechanism, Workspace, condition, consistent};
 use crate::conditions::Conditions;

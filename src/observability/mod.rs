@@ -1,7 +1,7 @@
 //! How much a set of poses tells: observability indices and the fast scores behind pose selection.
 //!
-//! The stacked, scaled Jacobian `J` (6n × L) of `n` poses has singular values `σ₁ ≥ … ≥ σ_L`. An index makes one
-//! number of them:
+//! The stacked, scaled Jacobian `J` (6n × L) of `n` poses has singular values `σ₁ ≥ … ≥ σ_L`. An index condenses them
+//! into one number:
 //!
 //! | name | index | asks for | bound |
 //! |---|---|---|---|
@@ -13,12 +13,12 @@
 //! | `pose-error` | [`PoseError`]: error of the calibrated pose where it will be used | what the user wants | yes |
 //!
 //! Indices depend on units, and so each value belongs to a [`Scaling`]. In mm and rad three directions (rotating all
-//! platform points together) are seen through angles only; they are a thousand times weaker than others whatever the
-//! poses are, and O2, O3, O4 measure little else. Whitened rows and columns, the default, remove that.
+//! platform points together) show up in angles only; they are a thousand times weaker than others whatever the poses
+//! are, and O2, O3, O4 measure little else. Whitened rows and columns, the default, remove that.
 //!
-//! [`ObservabilityIndex`] is the trait; an index of one's own needs one function of the [`Spectrum`]. [`Pool`] holds the
+//! [`ObservabilityIndex`] is the trait; your own index needs one function of the [`Spectrum`]. [`Pool`] holds the
 //! blocks of many candidates, [`PoseSet`] a set of them with the best addition and the best removal under an index. The
-//! module knows blocks of rows and no mechanisms.
+//! module works on blocks of rows and does not depend on mechanisms.
 
 mod indices;
 mod kernel;
@@ -74,7 +74,7 @@ impl Goal {
 
 /// An observability index.
 pub trait ObservabilityIndex: Debug + Send + Sync {
-    /// What it is called on the command line and in results.
+    /// Name on the command line and in results.
     fn name(&self) -> &str;
 
     /// The index of a set of poses with this spectrum.
@@ -102,8 +102,8 @@ pub trait ObservabilityIndex: Debug + Send + Sync {
     }
 }
 
-/// What an index is a monotone function of, for a given number of poses. Better means larger or smaller as the goal of
-/// the index says.
+/// The quantity of which an index is a monotone function, for a given number of poses. Whether larger or smaller is
+/// better is the goal of the index.
 #[derive(Clone, Copy, Debug)]
 pub enum FastForm<'a> {
     /// The better, the larger `det JᵀJ` is.

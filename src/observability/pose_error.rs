@@ -29,7 +29,7 @@ impl PoseError {
         Self { gain, prior }
     }
 
-    /// The same with or without the tolerances as prior.
+    /// This index with or without the tolerances as prior.
     pub fn with_prior(&self, prior: bool) -> Self {
         Self { prior, ..self.clone() }
     }

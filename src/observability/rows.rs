@@ -15,7 +15,7 @@ pub fn stacked(blocks: &[DMatrix<f64>], directions: usize, prior: bool) -> DMatr
     rows
 }
 
-/// The same rows with as many zero rows below them as a square matrix needs.
+/// Pads a wide matrix with zero rows until it is square.
 pub(super) fn at_least_square(rows: DMatrix<f64>) -> DMatrix<f64> {
     let (m, n) = rows.shape();
     if m < n { rows.resize_vertically(n, 0.0) } else { rows }

@@ -1,15 +1,15 @@
-//! Where the platform is, and how that is written down.
+//! Poses of the platform, and the conventions for writing them.
 //!
 //! A [`Pose`] is a rigid motion: the position `t` of the platform's origin in the base frame and the
-//! rotation `R` from the platform frame to the base frame. A platform point `a` stands at `t + R a`.
+//! rotation `R` from the platform frame to the base frame. A platform point `a` is at `t + R a`.
 //!
 //! **Coordinates.** The paper (eq. 2) writes a pose as `q = (x, y, z, α, β, γ)` with
 //! `R = R_z(γ) R_y(β) R_x(α)`. Instruments write it in other ways: with `R = R_x R_y R_z`, or with the
 //! position of another point of the platform (the *pivot*). A [`PoseConvention`] is such a way of writing;
-//! it lives at the edges, in files and measurements.
+//! it is used at the boundaries, in files and measurements.
 //!
 //! **Small motions.** Inside the library derivatives are taken along a *small motion*
-//! `δ = (δt, δω)`: the origin moves by `δt` and the platform turns by the rotation vector `δω`, both in
+//! `δ = (δt, δω)`: the origin moves by `δt` and the platform rotates by the rotation vector `δω`, both in
 //! base axes, `t ← t + δt`, `R ← exp([δω]×) R`. The six numbers of `q` have a singularity at
 //! `β = ±90°`; a small motion has none, so that a platform seen from a tracker that lies on its side is as
 //! good as any other. [`PoseConvention::rates`] converts: `dq/dt = C(q) δ`.
@@ -81,7 +81,7 @@ impl Pose {
         self.position.iter().chain(self.rotation.matrix().iter()).all(|v| v.is_finite())
     }
 
-    /// The same motion as nalgebra's isometry.
+    /// This motion as nalgebra's isometry.
     pub fn to_isometry(&self) -> Isometry3<f64> {
         Isometry3::from_parts(Translation3::from(self.position), UnitQuaternion::from_rotation_matrix(&self.rotation))
     }

@@ -1,4 +1,4 @@
-//! Results as people and programs read them; nothing is computed here.
+//! Presentation of results for people and programs; nothing is computed here.
 //!
 //! [`text`] makes tables for a terminal of 80 columns, [`json`] the objects whose keys scripts rely on, [`html`] pages.
 //! Charts are drawn for these pages and for the pictures of the documentation; they may change with any version.

@@ -1,4 +1,5 @@
-//! What a mechanism, a workspace and a scaling make of a pose: its block of rows, and whether it can be measured.
+//! A planned campaign: the block of rows of a pose, from a mechanism, a workspace and a scaling, and whether the pose
+//! can be measured.
 
 use nalgebra::{Cholesky, DMatrix, Dim, Dyn, Matrix, Matrix6, Matrix6xX, StorageMut, Vector3};
 
@@ -64,7 +65,7 @@ impl<'a> Campaign<'a> {
         Self::with_columns(mechanism, workspace, noise, scaling, columns?)
     }
 
-    /// The same with these factors of the columns, for mechanisms without tolerances.
+    /// A campaign with these column factors, for mechanisms without tolerances.
     ///
     /// # Errors
     /// [`SelectionError::NoNoise`] if whitened rows have no noise.

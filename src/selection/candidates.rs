@@ -100,7 +100,8 @@ impl Candidates {
         Some(Self { poses, pool, tried })
     }
 
-    /// The same with further feasible poses, such as polished ones. `None` if their blocks cannot be stored together.
+    /// These candidates with further feasible poses, such as polished ones. `None` if their blocks cannot be stored
+    /// together.
     pub fn with(&self, campaign: &Campaign<'_>, further: &[Pose]) -> Option<Self> {
         let poses: Vec<Pose> = self.poses.iter().chain(further).copied().collect();
         Self::of(campaign, poses, self.tried + further.len())

@@ -52,8 +52,8 @@ fn swap(set: &mut PoseSet<'_>) -> Option<(usize, usize)> {
     Some((added, set.remove(removed)))
 }
 
-/// The same with a tabu list: a removed pose may not come back before as many others were removed as the list is long.
-/// The list starts with poses drawn at random; the best set seen is kept.
+/// One-point exchange with a tabu list: a removed pose may not return until as many others have been removed as the
+/// list is long. The list starts with poses drawn at random; the best set seen is kept.
 #[derive(Clone, Copy, Debug)]
 pub struct TabuDetmax {
     /// Length of the tabu list; at most a quarter of the candidates are kept out.

@@ -1,4 +1,4 @@
-//! What can be wrong with a selection.
+//! Errors of a selection.
 
 use thiserror::Error;
 
@@ -36,7 +36,8 @@ pub enum SelectionError {
     },
     /// A list or a draw gave fewer poses than are to be selected.
     #[error(
-        "{wanted} poses are wanted but only {found} candidates can be measured; ask for fewer poses or offer more candidates"
+        "{wanted} poses are requested but only {found} candidates can be measured; ask for fewer poses or offer more \
+         candidates"
     )]
     TooFewCandidates {
         /// Poses to select.
@@ -62,7 +63,7 @@ pub enum SelectionError {
         least: usize,
     },
     /// No pose is wanted beside those given.
-    #[error("{given} poses are given and {wanted} wanted in all; ask for more than {given} with -n")]
+    #[error("{given} poses are given and {wanted} requested in total; ask for more than {given} with -n")]
     NothingToSelect {
         /// Poses wanted.
         wanted: usize,
@@ -79,7 +80,7 @@ pub enum SelectionError {
     },
     /// No target pose of the predicted error can be reached.
     #[error(
-        "none of the {0} target poses has joints; the predicted pose error needs poses that the mechanism can reach"
+        "none of the {0} target poses can be reached; the predicted pose error needs poses that the mechanism can reach"
     )]
     NoTarget(usize),
     /// An accuracy that no number of poses up to the largest reaches.
@@ -94,7 +95,7 @@ pub enum SelectionError {
         position: String,
         /// Predicted rotation error.
         rotation: String,
-        /// What would help.
+        /// What would help, as advice to the user.
         advice: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What a calibration with chosen poses will be worth.
+//! Predicted accuracy of a calibration with chosen poses.
 
 use nalgebra::DMatrix;
 use rand::SeedableRng;
@@ -17,7 +17,7 @@ pub struct Forecaster<'a> {
     campaign: Campaign<'a>,
     /// Motion (6 × L) of the stated point and of the platform per tolerance, at each target.
     motion: Vec<DMatrix<f64>>,
-    /// The same as coordinates over their noise.
+    /// Motion as coordinates over their noise.
     weighted: Vec<DMatrix<f64>>,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Forecaster<'a> {
         stacked(&blocks, self.campaign.columns().len(), false)
     }
 
-    /// What measuring these poses leads to, with the tolerances as prior where `calibrate` would use them.
+    /// Predicted accuracy from measuring these poses, with the tolerances as prior where `calibrate` would use them.
     pub fn forecast(&self, poses: &[Pose]) -> Forecast {
         let spectrum = self.spectrum(poses);
         let prior = spectrum.values.iter().any(|s| *s < DECIDED);

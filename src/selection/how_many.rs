@@ -108,11 +108,11 @@ fn refused(last: &ChosenSet, requirement: &Requirement) -> SelectionError {
     let ratio = |found: f64, wanted: Option<f64>| wanted.map_or(0.0, |w| found / w);
     let short = ratio(position, requirement.position).max(ratio(rotation, requirement.rotation));
     let prior = last.forecast.as_ref().is_some_and(|f| f.prior);
-    let limit = if prior { ", a larger workspace" } else { "" };
+    let limit = if prior { ", choose a larger workspace" } else { "" };
     SelectionError::Requirement {
         poses: last.poses.len(),
         position: show_length(position),
         rotation: show_angle(rotation),
-        advice: format!("it needs a measurement about {short:.1} times as precise{limit}, or a wider requirement"),
+        advice: format!("measure about {short:.1} times as precisely{limit}, or relax the requirement"),
     }
 }

@@ -24,17 +24,17 @@ pub struct SelectionTask<'a> {
     pub campaign: &'a Campaign<'a>,
     /// Predicts what the choice will be worth; `None` if noise or tolerances are not known.
     pub forecaster: Option<&'a Forecaster<'a>>,
-    /// What is optimised.
+    /// Objective of the selection.
     pub aim: Objective<'a>,
     /// Poses that are measured anyway.
     pub given: &'a [Pose],
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
     /// Told of progress.
     pub watch: &'a (dyn Fn(Step) + Sync),
 }
 
-/// What was chosen, and how good it is.
+/// The chosen set, and how good it is.
 #[derive(Clone, Debug)]
 pub struct ChosenSet {
     /// All poses: the given ones, then the chosen ones.
@@ -55,7 +55,7 @@ pub struct ChosenSet {
     pub candidates: usize,
     /// Directions of the parameters that no candidate sees; the index is taken over the others.
     pub invisible: usize,
-    /// What a calibration with these poses will be worth.
+    /// Predicted accuracy of a calibration with these poses.
     pub forecast: Option<Forecast>,
 }
 
@@ -73,7 +73,7 @@ pub fn select(
     select_among(plan, selector, &candidates, n, true)
 }
 
-/// The same among candidates that were collected before; the bound costs a tenth of a second and more.
+/// Selects poses among candidates that were collected before; the bound takes a tenth of a second or more.
 ///
 /// # Errors
 /// [`SelectionError`].

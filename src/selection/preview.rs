@@ -1,4 +1,4 @@
-//! What a campaign could tell, before anything is measured.
+//! Preview of the information from a campaign, before anything is measured.
 
 use crate::measurement::Noise;
 use crate::mechanism::{Mechanism, Workspace};
@@ -8,14 +8,14 @@ use crate::selection::forecast::{Forecast, Forecaster};
 use crate::selection::job::{Objective, SelectionTask, select_among};
 use crate::selection::{Campaign, Candidates, Exchange, SelectionError, Sources};
 
-/// What measuring full poses at well chosen places would tell.
+/// Predicted information from measuring full poses at well-chosen places.
 #[derive(Clone, Debug)]
 pub struct Preview {
     /// The poses.
     pub poses: Vec<Pose>,
     /// Certified efficiency of the choice.
     pub efficiency: Option<f64>,
-    /// What they decide, and how well the calibrated model will be.
+    /// What the poses determine, and how accurate the calibrated model will be.
     pub forecast: Forecast,
     /// SI per scaled parameter: the tolerance, or a millimetre (milliradian) where none is stated.
     pub scale: Vec<f64>,

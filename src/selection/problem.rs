@@ -1,4 +1,4 @@
-//! What a selector works on and what it returns.
+//! Input and result of a selector.
 
 use std::fmt::Debug;
 
@@ -15,15 +15,15 @@ use crate::pose::Pose;
 pub struct Problem<'a> {
     /// Turns any pose of the workspace into a block; for selectors that move poses.
     pub campaign: &'a Campaign<'a>,
-    /// What may be chosen, each once.
+    /// Candidates, each of which may be chosen once.
     pub candidates: &'a Candidates,
-    /// What is to be large or small.
+    /// Index to optimise.
     pub index: &'a dyn ObservabilityIndex,
     /// Rows (6 × L' each, along the visible directions) of poses that are measured anyway.
     pub given: &'a [DMatrix<f64>],
     /// Number of poses to choose.
     pub count: usize,
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
     /// Told of progress, from any thread.
     pub watch: &'a (dyn Fn(Step) + Sync),
@@ -38,7 +38,7 @@ pub struct Step {
     pub total: usize,
 }
 
-/// What a selector chose.
+/// Result of a selector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The poses; a selector may have moved them off the candidates.
@@ -51,7 +51,7 @@ pub struct Choice {
 
 /// A way to choose poses.
 pub trait PoseSelector: Debug + Send + Sync {
-    /// What it is called on the command line and in results.
+    /// Name on the command line and in results.
     fn name(&self) -> &str;
 
     /// True if it wants the corners of the workspace and the grid among its candidates.

@@ -70,7 +70,7 @@ pub fn simulate<R: Rng + ?Sized>(
 pub struct Command {
     /// The pose.
     pub pose: Pose,
-    /// What is true meanwhile; its place in the run is filled in.
+    /// State of the machine meanwhile; its place in the run is filled in.
     pub state: Conditions,
 }
 
@@ -83,7 +83,7 @@ pub struct Instrument<'a> {
     pub effects: &'a [ActiveEffect],
 }
 
-/// The same for a run, one row after the other, in states that the true mechanism may depend on, and seen through an
+/// Simulates a run, one row after the other, in states that the true mechanism may depend on, as seen through an
 /// instrument. The first row is approached from the home of the nominal mechanism.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Mechanisms with known errors, what a tracker would measure of them, and calibrations by the thousand.
+//! Mechanisms with known errors, simulated tracker measurements of them, and calibrations by the thousand.
 //!
 //! The generator shares no formula with the identification: it commands the lengths of the *nominal* inverse
 //! kinematics, solves the full forward kinematics of the *true* mechanism, and adds noise to the coordinates
@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`simulate`], [`simulate_run`] | one measured campaign of a mechanism with errors |
 //! | [`Trial`] | a whole calibration: simulate, identify, and see where the calibrated model leads |
-//! | [`monte_carlo`], [`summarise`] | repeat anything with a random stream of its own for each draw |
+//! | [`monte_carlo`], [`summarise`] | repeat anything, each draw with its own random stream |
 //! | [`RunningStats`] | mean, spread and extremes of numbers that come one by one |
 //!
 //! Randomness comes in as a seeded generator. A draw has the stream of its number, and blocks of draws are joined in

@@ -22,7 +22,7 @@ pub fn monte_carlo<T: Send>(draws: u64, seed: u64, draw: impl Fn(u64, &mut ChaCh
     (0..draws).into_par_iter().map(|k| draw(k, &mut stream(seed, k))).collect()
 }
 
-/// The same without keeping the results: statistics of `N` numbers of each draw, and how many draws gave none.
+/// Monte Carlo without keeping the results: statistics of `N` numbers from each draw, and how many draws gave none.
 pub fn summarise<const N: usize>(
     draws: u64,
     seed: u64,

@@ -38,7 +38,7 @@ pub struct Trial<'a> {
     pub estimator: Estimator<'a>,
 }
 
-/// What came of it.
+/// Result of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrialResult {
     /// Identified parameters in the order of the mechanism, SI.

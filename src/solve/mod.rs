@@ -1,4 +1,4 @@
-//! Numerical solvers; they know no mechanism.
+//! Numerical solvers; they do not depend on mechanisms.
 //!
 //! Two problems occur in calibration, and each has one function that owns argmin's `Executor`:
 //!

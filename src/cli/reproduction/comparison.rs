@@ -106,13 +106,13 @@ pub(super) fn quantile(draws: &[f64], part: f64) -> f64 {
 /// A quantity of the paper beside ours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// What is compared.
+    /// Quantity that is compared.
     pub quantity: String,
     /// Unit of the numbers; empty if there is none.
     pub unit: &'static str,
-    /// What the paper prints, if it does.
+    /// Number that the paper prints, if any.
     pub paper: Option<f64>,
-    /// What we find.
+    /// Our result.
     pub ours: Spread,
     /// Whether they agree, if there is something to agree with.
     pub verdict: Option<Agreement>,
@@ -140,7 +140,7 @@ impl Comparison {
         Self { quantity: quantity.into(), unit, paper: None, ours, verdict: None, claim: None, why: String::new() }
     }
 
-    /// The same without a verdict: what is compared is not what the paper states.
+    /// This comparison without a verdict, for quantities that the paper does not state.
     #[must_use]
     pub fn not_judged(mut self) -> Self {
         self.verdict = None;

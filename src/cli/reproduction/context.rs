@@ -21,11 +21,11 @@ use crate::solve::SolveError;
 pub struct Settings {
     /// Noise draws for each set of poses.
     pub draws: u64,
-    /// Candidate poses in a list.
+    /// Candidate poses per list.
     pub candidates: usize,
     /// Lists of candidates.
     pub lists: u64,
-    /// Seed of everything random.
+    /// Random seed.
     pub seed: u64,
 }
 
@@ -59,7 +59,7 @@ impl Settings {
 /// How far the work has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress<'a> {
-    /// What is being done.
+    /// The work in progress.
     pub what: &'a str,
     /// Units done.
     pub done: usize,
@@ -67,7 +67,7 @@ pub struct Progress<'a> {
     pub total: usize,
 }
 
-/// What exhibits are made with.
+/// Context in which exhibits are made.
 pub struct ReproductionContext<'a> {
     /// How much is done.
     pub settings: Settings,

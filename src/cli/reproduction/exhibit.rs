@@ -1,4 +1,4 @@
-//! What comes out of a reproduction.
+//! Result of a reproduction.
 
 use super::Comparison;
 use crate::files::{CsvTable, number};
@@ -9,11 +9,11 @@ use crate::report::chart::Figure;
 pub struct Exhibit {
     /// As it is called on the command line.
     pub name: &'static str,
-    /// What it is about.
+    /// Title.
     pub title: &'static str,
     /// Numbers of the paper among ours.
     pub comparisons: Vec<Comparison>,
-    /// What was found, sentence by sentence.
+    /// Findings, one sentence each.
     pub findings: Vec<String>,
     /// Tables to keep; the first is the exhibit itself.
     pub listings: Vec<Listing>,

@@ -24,7 +24,7 @@ pub enum JournalError {
         cause: std::io::Error,
     },
     /// The file is something else, and is left alone.
-    #[error("{path} is no journal of finished work; move it away, or work in another folder")]
+    #[error("{path} is not a journal of finished work; move it away, or work in another folder")]
     Foreign {
         /// The file.
         path: PathBuf,

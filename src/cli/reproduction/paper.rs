@@ -1,4 +1,4 @@
-//! What the paper prints, and the settings that it does not state.
+//! The numbers that the paper prints, and the settings that it does not state.
 //!
 //! | setting | value | how sure |
 //! |---|---|---|

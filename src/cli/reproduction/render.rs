@@ -55,7 +55,7 @@ fn wrapped(paragraph: &str) -> String {
 const HEADER: [&str; 6] = ["quantity", "paper", "ours", "95 %", "unit", "verdict"];
 
 impl Settings {
-    /// What repeats a run, in words.
+    /// Settings needed to repeat a run, in words.
     pub fn text(&self) -> String {
         let Self { draws, candidates, lists, seed } = self;
         format!("{draws} noise draws, {candidates} candidates, {lists} lists of candidates, seed {seed}")

@@ -53,7 +53,7 @@ impl Place {
     }
 }
 
-/// How poses are chosen.
+/// How to choose the poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum How {
     /// The paper's method for an index, mm and rad.

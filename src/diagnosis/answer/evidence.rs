@@ -1,4 +1,4 @@
-//! What people look at to believe a cause: residuals in the joints before and after, and added-variable plots.
+//! Evidence for a cause: residuals in the joints before and after, and added-variable plots.
 
 use nalgebra::DVector;
 

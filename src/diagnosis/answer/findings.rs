@@ -128,15 +128,16 @@ fn warnings(subject: &Hypotheses<'_>, registration: &Registration, unknown: Opti
     let mut warnings = Vec::new();
     if registration.applied {
         warnings.push(
-            "the data are in another frame than the mechanism file; causes act in the base frame of the file, and an \
-             extended model is written in that frame"
+            "the data are in a different frame from the mechanism file; causes act in the base frame of the file, and \
+             an extended model is written in that frame"
                 .into(),
         );
     }
     // What no name explains changes the ratio too.
     if let (Some([position, rotation]), None) = (subject.kind_spreads, unknown) {
         warnings.push(format!(
-            "the ratio of position noise to rotation noise is {} times the stated one; rows count by the noise that they have",
+            "the ratio of position noise to rotation noise is {} times the stated one; rows are weighted by the \
+             estimated noise",
             three_digits(position / rotation)
         ));
     }

@@ -1,4 +1,4 @@
-//! What a diagnosis says. Text, JSON and pictures are views of it.
+//! The result of a diagnosis. Text, JSON and charts are views of it.
 
 use crate::effect::{ActiveEffect, ActsOn, Environment};
 use crate::identification::ErrorSummary;
@@ -8,7 +8,7 @@ use crate::units::Dimension;
 /// One of five answers, always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// What is left is noise.
+    /// The residuals are noise.
     Clean,
     /// Named causes explain what is left.
     Named,
@@ -42,7 +42,7 @@ pub struct CauseParameter {
     pub value: f64,
     /// 1σ, with the estimated noise; `None` if the data do not see the parameter.
     pub sigma: Option<f64>,
-    /// What it measures.
+    /// Dimension.
     pub dimension: Dimension,
     /// Usual size in sound machines.
     pub scale: f64,
@@ -75,9 +75,9 @@ pub struct Cause {
     pub effect: String,
     /// The cause in a sentence.
     pub cause: String,
-    /// What to do.
+    /// The remedy.
     pub remedy: String,
-    /// What it acts on.
+    /// Target of the effect.
     pub acts_on: ActsOn,
     /// Leg, from 0.
     pub leg: Option<usize>,
@@ -99,7 +99,7 @@ pub struct Cause {
     pub tentative: bool,
     /// True if every value is within ten times its usual size.
     pub plausible: bool,
-    /// What is left without it over its share.
+    /// Residual without the cause over the part that nothing else imitates.
     pub added_variable: AddedVariable,
 }
 
@@ -111,7 +111,7 @@ pub struct AddedVariable {
     pub points: Vec<[f64; 2]>,
 }
 
-/// What is left of one sample, measured minus predicted, as a change of each joint, SI.
+/// Residual of one sample, measured minus predicted, as a change of each joint, SI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointResiduals {
     /// The sample.
@@ -162,7 +162,7 @@ impl UnknownTest {
 /// Something that no name explains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknown {
-    /// What it depends on, if on anything that was recorded.
+    /// Covariate that it depends on, if it was recorded.
     pub covariate: Option<String>,
     /// Where, leg from 0.
     pub leg: Option<usize>,
@@ -201,7 +201,7 @@ pub struct Misread {
 /// Noise that is not the same in all rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseVaries {
-    /// What it depends on.
+    /// Covariate that it depends on.
     pub covariate: String,
     /// σ at the end of the range over σ at its beginning.
     pub ratio: f64,
@@ -214,23 +214,23 @@ pub struct NoiseVaries {
 pub struct Gain {
     /// RMS length of the position error without causes, random folds, m.
     pub position_before: Option<f64>,
-    /// The same with them.
+    /// RMS length of the position error with the causes, m.
     pub position_after: Option<f64>,
     /// RMS length of the angle errors without causes, rad.
     pub rotation_before: Option<f64>,
-    /// The same with them.
+    /// RMS length of the angle errors with the causes, rad.
     pub rotation_after: Option<f64>,
     /// Position error without causes where contiguous blocks were held out, m.
     pub blocked_position_before: Option<f64>,
-    /// The same with them.
+    /// Position error with the causes where contiguous blocks were held out, m.
     pub blocked_position_after: Option<f64>,
     /// √3 σ of the stated noise, m.
     pub noise_floor_position: Option<f64>,
-    /// The same for the angles, rad.
+    /// √3 σ of the stated noise of the angles, rad.
     pub noise_floor_rotation: Option<f64>,
 }
 
-/// An effect that was looked for and not found.
+/// An effect that was tested and not found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFound {
     /// Name.
@@ -239,7 +239,7 @@ pub struct NotFound {
     pub parameter: String,
     /// Size of its first parameter that would have been seen with 95 % probability, SI.
     pub limit: f64,
-    /// What the parameter measures.
+    /// Dimension of the parameter.
     pub dimension: Dimension,
 }
 
@@ -248,7 +248,7 @@ pub struct NotFound {
 pub struct NotTestable {
     /// Name.
     pub effect: String,
-    /// What is missing.
+    /// Missing data or entries of the mechanism file.
     pub missing: Vec<String>,
 }
 
@@ -259,7 +259,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Named causes, by evidence.
     pub causes: Vec<Cause>,
-    /// What no name explains.
+    /// The error that no name explains.
     pub unknown: Option<Unknown>,
     /// How the file should have been read.
     pub misread: Option<Misread>,
@@ -294,10 +294,10 @@ pub struct Diagnosis {
     pub own: Vec<f64>,
     /// The causes with their values and the ranges of their covariates, ready for an extended model.
     pub effects: Vec<ActiveEffect>,
-    /// What stands around the mechanism, with the reference temperatures that were used.
+    /// Surroundings of the mechanism, with the reference temperatures that were used.
     pub environment: Environment,
     /// Where tracker and target were found.
     pub frames: Frames,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }

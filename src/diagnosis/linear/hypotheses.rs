@@ -1,4 +1,5 @@
-//! What is asked: mechanism, data, and the effects that can be tested; the columns of all of them at a point, and fits.
+//! The hypotheses: mechanism, data, and the effects that can be tested; the columns of all of them at a point, and
+//! fits.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,13 +32,13 @@ impl EffectColumns {
     pub(crate) fn unchanging(&self) -> NotTestable {
         let covariates = self.effect.covariates(&self.places[0].at);
         let what = match covariates.len() {
-            0 => "what it depends on".into(),
+            0 => "the covariate".into(),
             1..=3 => covariates.join(", "),
             _ => format!("{} and the others", covariates[0]),
         };
         NotTestable {
             effect: self.effect.name().into(),
-            missing: vec![format!("{what} to change more than in these data")],
+            missing: vec![format!("{what} to vary more than in these data")],
         }
     }
 }
@@ -63,9 +64,9 @@ pub(crate) struct Hypotheses<'a> {
     /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
     /// own. Empty if rows are as stated.
     pub(crate) spreads: Vec<f64>,
-    /// The same for position rows and for rotation rows, where their ratio is not the stated one.
+    /// The σ of position rows and of rotation rows over the stated one, where their ratio is not the stated one.
     pub(crate) kind_spreads: Option<[f64; 2]>,
-    /// The same for each sample, where the noise was found to vary. Empty if it does not.
+    /// The σ of each sample over the stated one, where the noise was found to vary. Empty if it does not.
     pub(crate) sample_spreads: Vec<f64>,
 }
 

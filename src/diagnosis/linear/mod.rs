@@ -1,6 +1,6 @@
 //! The linear algebra of a diagnosis. At one point of the parameters everything is a column: parameters, effects, joints
-//! ([`design_matrix`]). A [`model`] is a fitted choice of these columns, a [`score_test`] says what further columns would
-//! gain, without a refit.
+//! ([`design_matrix`]). A [`model`] is a fitted choice of these columns, a [`score_test`] says how much further columns
+//! would gain, without a refit.
 
 pub(crate) mod design_matrix;
 pub(crate) mod hypotheses;

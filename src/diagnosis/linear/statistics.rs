@@ -7,7 +7,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 pub(crate) struct Noise {
     /// Sum of squares of the whitened residual, corrected for rows that repeat each other.
     pub(crate) rss: f64,
-    /// The same with the price of the prior, of which effects take their gains.
+    /// Sum of squares plus the penalty of the prior; gains of effects are taken from it.
     pub(crate) objective: f64,
     /// Its degrees of freedom, likewise.
     pub(crate) dof: f64,

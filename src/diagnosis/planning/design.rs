@@ -38,8 +38,8 @@ pub fn planned(
     Ok(Dataset::new(samples, Arc::new(model), noise))
 }
 
-/// What planned samples would see, effect by effect: the limits of those that they see, with the noise as stated, and what
-/// the others miss. `question.data` are the planned samples.
+/// Detection limits of planned samples, effect by effect, with the noise as stated, and what the effects that cannot be
+/// tested need. `question.data` are the planned samples.
 ///
 /// # Errors
 /// [`DiagnoseError`] if the samples decide too little.

@@ -1,4 +1,4 @@
-//! Before a campaign and between two: what planned poses could show, and which further measurements tell two causes apart.
+//! Planning: the detection limits of a campaign, and further measurements that tell two causes apart.
 
 pub(crate) mod design;
 pub(crate) mod scenarios;

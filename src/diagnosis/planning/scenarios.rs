@@ -24,7 +24,7 @@ pub(crate) type Plan = (String, Vec<Sample>);
 /// The present data, then plans for what the names and their rivals depend on.
 pub(crate) fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnosis) -> Vec<Plan> {
     let further = Further::new(question, mechanism, found);
-    let mut all = vec![("nothing more: the present data".into(), Vec::new()), further.same(), further.wide()];
+    let mut all = vec![("nothing more: the present data only".into(), Vec::new()), further.same(), further.wide()];
     all.extend(further.temperatures());
     all.extend(further.conditions());
     all
@@ -92,7 +92,7 @@ impl<'a> Further<'a> {
                 c.covariates.insert(TIME.into(), time);
             }
         });
-        (format!("{ADDED} poses again under the conditions of the run"), samples)
+        (format!("{ADDED} more poses under the conditions of the run"), samples)
     }
 
     fn wide(&self) -> Plan {
@@ -137,10 +137,10 @@ impl<'a> Further<'a> {
             c.covariates.extend(all.iter().filter_map(|name| Some((name.clone(), first.get(name)?))));
         });
         let cooled =
-            (format!("{ADDED} poses after the machine went back to its temperatures of the first row"), cooled);
+            (format!("{ADDED} poses after the machine has returned to the temperatures of the first row"), cooled);
         let heated = |what: &str, names: &[String], by: f64| {
             let samples = || self.plan(|_, c| heat(c, names, by));
-            (!names.is_empty()).then(|| (format!("{ADDED} poses with {what} alone heated by {by} K"), samples()))
+            (!names.is_empty()).then(|| (format!("{ADDED} poses with only {what} heated by {by} K"), samples()))
         };
         let body = |wanted: Part| self.recorded(|_, kind, part| part == wanted && kind.extent == Extent::Machine);
         let (platform, base) = (body(Part::Platform), body(Part::Base));
@@ -151,8 +151,8 @@ impl<'a> Further<'a> {
         let bodies: Vec<&Vec<String>> = parts.into_iter().filter(|names| !names.is_empty()).collect();
         let in_turn = (bodies.len() > 1).then(|| {
             let samples = self.plan(|k, c| heat(c, bodies[k % bodies.len()], HOT));
-            let what = "each body alone (platform, base, all legs, one leg)";
-            (format!("{ADDED} poses with {what} heated by {HOT} K, in turn"), samples)
+            let what = "each body in turn (platform, base, all legs, one leg)";
+            (format!("{ADDED} poses with {what} heated by {HOT} K"), samples)
         });
         let plans = [
             Some(cooled),
@@ -201,7 +201,7 @@ impl<'a> Further<'a> {
             c.gravity = Some(axis * elevation.cos() - Vector3::z() * elevation.sin());
             c.covariates.insert(kind.name.to_string(), elevation);
         });
-        Some((format!("{ADDED} poses in turn at {}", between(kind, ends)), samples))
+        Some((format!("{ADDED} poses alternating between {}", between(kind, ends)), samples))
     }
 
     /// A condition at its ends in turn, and, if there is one for each leg, that of the named leg alone.
@@ -214,14 +214,13 @@ impl<'a> Further<'a> {
         let what = between(kind, ends);
         let own = of_leg(&kind.name, self.leg);
         let alone = (kind.extent == Extent::EachLeg && names.len() > 1 && names.contains(&own))
-            .then(|| self.to_ends(&format!("{what} at leg {} alone", self.leg + 1), &[own], ends));
+            .then(|| self.to_ends(&format!("{what} at leg {} only", self.leg + 1), &[own], ends));
         std::iter::once(self.to_ends(&what, &names, ends)).chain(alone).collect()
     }
 
     fn to_ends(&self, what: &str, names: &[String], ends: [f64; 2]) -> Plan {
         let samples = self.plan(|k, c| c.covariates.extend(names.iter().map(|name| (name.clone(), ends[k % 2]))));
-        let at = if what.starts_with("without") { "" } else { "at " };
-        (format!("{ADDED} poses in turn {at}{what}"), samples)
+        (format!("{ADDED} poses alternating between {what}"), samples)
     }
 
     /// Smallest and largest value of a covariate in the run; `None` if it was not recorded throughout, or did not change.
@@ -242,10 +241,10 @@ fn heat(conditions: &mut Conditions, names: &[String], by: f64) {
     }
 }
 
-/// Both ends of a variation, SI, in words: `elevation 20 deg and 90 deg`, `without payload and with 100 kg`.
+/// Both ends of a variation, SI, in words: `elevation 20 deg and 90 deg`, `no payload and 100 kg`.
 fn between(kind: &ConditionKind, [from, to]: [f64; 2]) -> String {
     match kind.role {
-        Role::Load if from == 0.0 => format!("without {} and with {}", kind.label, kind.shown(to)),
+        Role::Load if from == 0.0 => format!("no {} and {}", kind.label, kind.shown(to)),
         _ => format!("{} {} and {}", kind.label, kind.shown(from), kind.shown(to)),
     }
 }

@@ -33,7 +33,7 @@ pub struct Separation {
 /// Further measurements.
 #[derive(Clone, Debug)]
 pub struct MeasurementPlan {
-    /// What to do, in a sentence.
+    /// The measurement, in words.
     pub what: String,
     /// The samples to add: joints and conditions. Empty for the present data.
     pub samples: Vec<Sample>,

@@ -62,22 +62,22 @@ impl Reading {
     pub(crate) fn detail(&self) -> String {
         match self {
             Self::AsStated => "as stated".into(),
-            Self::AxisSign(k) => format!("the sign of {} is the other one", NAMES[*k]),
-            Self::Transposed => "the rotation is the inverse one (passive instead of active)".into(),
+            Self::AxisSign(k) => format!("the sign of {} is reversed", NAMES[*k]),
+            Self::Transposed => "the rotation is inverted (passive instead of active)".into(),
             Self::Inverse => "the pose is that of the base seen from the platform".into(),
-            Self::EulerOrder => "the angles are meant in the other order of rotations".into(),
-            Self::AngleUnit(unit, _) => format!("the angles seem to be in another unit: {unit}"),
-            Self::LengthUnit(unit, _, false) => format!("the positions seem to be in another unit: {unit}"),
-            Self::LengthUnit(unit, _, true) => format!("the leg lengths seem to be in another unit: {unit}"),
-            Self::Swapped(a, b) => format!("{} and {} are in each other's columns", NAMES[*a], NAMES[*b]),
+            Self::EulerOrder => "the angles follow the other order of rotations".into(),
+            Self::AngleUnit(unit, _) => format!("the angles seem to be in a different unit: {unit}"),
+            Self::LengthUnit(unit, _, false) => format!("the positions seem to be in a different unit: {unit}"),
+            Self::LengthUnit(unit, _, true) => format!("the leg lengths seem to be in a different unit: {unit}"),
+            Self::Swapped(a, b) => format!("the columns of {} and {} are swapped", NAMES[*a], NAMES[*b]),
             Self::LegOrder(order) => {
                 let columns: Vec<String> = order.iter().map(|k| (k + 1).to_string()).collect();
-                format!("legs 1 to {} stand in the columns of legs {}", order.len(), columns.join(", "))
+                format!("legs 1 to {} are in the columns of legs {}", order.len(), columns.join(", "))
             }
-            Self::LegSign(None) => "the legs count their extension the other way".into(),
-            Self::LegSign(Some(leg)) => format!("leg {} counts its extension the other way", leg + 1),
-            Self::RowShift(by) if *by > 0 => "each pose stands one row below its joints".into(),
-            Self::RowShift(_) => "each pose stands one row above its joints".into(),
+            Self::LegSign(None) => "the legs count their extension in the opposite direction".into(),
+            Self::LegSign(Some(leg)) => format!("leg {} counts its extension in the opposite direction", leg + 1),
+            Self::RowShift(by) if *by > 0 => "each pose is one row below its joints".into(),
+            Self::RowShift(_) => "each pose is one row above its joints".into(),
         }
     }
 
@@ -87,11 +87,11 @@ impl Reading {
         let mut all: Vec<Self> = (0..6).map(Self::AxisSign).collect();
         all.extend([Self::Transposed, Self::Inverse, Self::EulerOrder]);
         all.extend([
-            Self::AngleUnit("rad where deg is stated, or as much larger", 1.0 / degree),
-            Self::AngleUnit("deg where rad is stated, or as much smaller", degree),
-            Self::AngleUnit("arcsec where deg is stated, or as much smaller", 1.0 / 3600.0),
-            Self::AngleUnit("deg where arcsec is stated, or as much larger", 3600.0),
-            Self::AngleUnit("mrad where deg is stated, or as much smaller", 1e-3 / degree),
+            Self::AngleUnit("rad where deg is stated, or larger by the same factor", 1.0 / degree),
+            Self::AngleUnit("deg where rad is stated, or smaller by the same factor", degree),
+            Self::AngleUnit("arcsec where deg is stated, or smaller by the same factor", 1.0 / 3600.0),
+            Self::AngleUnit("deg where arcsec is stated, or larger by the same factor", 3600.0),
+            Self::AngleUnit("mrad where deg is stated, or smaller by the same factor", 1e-3 / degree),
             Self::AngleUnit("1000 times smaller", 1e-3),
             Self::AngleUnit("1000 times larger", 1e3),
         ]);

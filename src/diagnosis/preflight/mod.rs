@@ -1,5 +1,5 @@
-//! Is the file read as it was written? Another sign, unit or order may fit much better, and is then the answer: no cause is
-//! looked for in a file that was misread.
+//! Checks that the file is read as it was written. If another sign, unit or order fits much better, that is the answer:
+//! no cause is looked for in a misread file.
 
 pub(crate) mod assignment;
 pub(crate) mod compare;

@@ -1,4 +1,4 @@
-//! What was recorded with the samples, and what follows from the commands.
+//! Covariates recorded with the samples, and those that follow from the commands.
 
 use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::measurement::Dataset;

@@ -41,7 +41,7 @@ pub(crate) struct Search<'a> {
 pub(crate) struct SearchState {
     /// The columns at the end, with the effects' share taken out of the residual; every sample is in it.
     pub(crate) full: DesignMatrix,
-    /// The same without the samples that were left out.
+    /// The columns without the samples that were left out.
     pub(crate) table: DesignMatrix,
     pub(crate) names: Vec<Hypothesis>,
     pub(crate) left_out: Vec<usize>,

@@ -1,4 +1,4 @@
-//! What is left when every name has been tried: tests of the residual that know no cause.
+//! Tests for unnamed causes of the residual that remains when every name has been tried.
 //!
 //! | test | sees |
 //! |---|---|

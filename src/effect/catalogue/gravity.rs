@@ -44,8 +44,8 @@ pub struct ComplianceGravity;
 impl Effect for ComplianceGravity {
     describe!(
         "compliance.gravity",
-        "the legs give way under the weight of the platform as gravity changes its direction",
-        "correct by elevation, or stiffen the legs and their joints"
+        "the legs deflect under the weight of the platform as the direction of gravity changes",
+        "correct for elevation, or stiffen the legs and their joints"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -83,8 +83,8 @@ pub struct CompliancePayload;
 impl Effect for CompliancePayload {
     describe!(
         "compliance.payload",
-        "the legs give way under the payload",
-        "correct by the payload, or stiffen the legs and their joints"
+        "the legs deflect under the payload",
+        "correct for the payload, or stiffen the legs and their joints"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -123,7 +123,7 @@ pub struct SagFrame;
 impl Effect for SagFrame {
     describe!(
         "sag.frame",
-        "the frame of the base or of the instrument sags as gravity changes its direction",
+        "the frame of the base or of the instrument sags as the direction of gravity changes",
         "measure reference points on the base at each elevation; commands cannot correct what only the instrument sees"
     );
 
@@ -163,14 +163,14 @@ pub struct SagPlatform;
 impl Effect for SagPlatform {
     describe!(
         "sag.platform",
-        "the platform bends like a saddle under its own weight",
-        "stiffen the platform, or correct by elevation"
+        "the platform bends into a saddle under its own weight",
+        "stiffen the platform, or correct for elevation"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = gravity_missing(available);
         if !context.has_points(Body::Platform) {
-            missing.push("points of the platform among the parameters".into());
+            missing.push("platform points among the parameters".into());
         }
         missing
     }
@@ -203,7 +203,7 @@ impl Effect for SagLinear {
     describe!(
         "sag.linear",
         "structure and positioner sag in proportion to the components of gravity",
-        "enter the table of the six coordinates against elevation"
+        "correct with a table of the six coordinates against elevation"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {

@@ -22,8 +22,8 @@ pub struct Backlash;
 impl Effect for Backlash {
     describe!(
         "backlash",
-        "a joint stops elsewhere when it is approached from the other side: play in nuts, gears or joints",
-        "approach every pose from the same side, preload the joints, or correct by the direction of the move"
+        "a joint stops at a different position when approached from the other side: play in nuts, gears or joints",
+        "approach every pose from the same side, preload the joints, or correct for the direction of the move"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -84,8 +84,8 @@ impl Play {
 impl Effect for Play {
     describe!(
         "hysteresis.play",
-        "joints lose moves that are shorter than their play and follow late after longer ones",
-        "preload the joints, or approach every pose by a long move from the same side"
+        "joints do not follow moves shorter than their play, and lag behind longer ones",
+        "preload the joints, or approach every pose with a long move from the same side"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -96,7 +96,7 @@ impl Effect for Play {
         if !available.run {
             missing.push("the complete history of commands".into());
         } else if Self::widths(available).is_empty() {
-            missing.push("moves shorter than the play, without which it is backlash".into());
+            missing.push("moves shorter than the play (without them it looks like backlash)".into());
         }
         missing
     }
@@ -141,8 +141,8 @@ pub struct PivotShift;
 impl Effect for PivotShift {
     describe!(
         "joint.pivot_shift",
-        "the centres of the joints wander as the legs tilt: bending flexures, or cardan axes that do not meet",
-        "correct by the square of the tilt, and do not use the model far outside the calibrated range without it"
+        "the joint centres shift as the legs tilt: bending flexures, or universal joints whose axes do not intersect",
+        "correct for the square of the tilt; without that, do not use the model far outside the calibrated range"
     );
 
     fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
@@ -175,7 +175,7 @@ pub struct ScrewCoupling;
 impl Effect for ScrewCoupling {
     describe!(
         "joint.screw_coupling",
-        "a leg twists between its universal joints as the platform turns, and its screw turns with it",
+        "a leg twists between its universal joints as the platform rotates, and its screw turns with it",
         "correct each length by the twist of its leg times the lead, or hold the screw against turning"
     );
 

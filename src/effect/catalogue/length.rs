@@ -28,7 +28,7 @@ pub struct ScaleCommon;
 impl Effect for ScaleCommon {
     describe!(
         "scale.common",
-        "the unit of the joints and the unit of the tracker disagree by a factor",
+        "the length scales of the joints and of the tracker disagree by a factor",
         "check the lead of the screws and the scale of the tracker against a gauge"
     );
 
@@ -62,7 +62,7 @@ pub struct ScalePerLeg;
 impl Effect for ScalePerLeg {
     describe!(
         "scale.per_leg",
-        "each joint moves by a factor of its own too far: screw leads, encoder scales, radii of drums",
+        "each joint has its own scale error: screw leads, encoder scales, drum radii",
         "enter the factors in the controller, or measure the leads"
     );
 
@@ -93,7 +93,7 @@ pub struct LengthQuadratic;
 impl Effect for LengthQuadratic {
     describe!(
         "length.quadratic",
-        "the true length of a leg bends against the commanded one: an encoder or a screw that is not linear",
+        "the true length of a leg is not linear in the commanded one: a nonlinear encoder or screw",
         "calibrate the encoders against a linear reference, or enter the curvature in the controller"
     );
 
@@ -124,8 +124,8 @@ pub struct CyclicPitch;
 impl Effect for CyclicPitch {
     describe!(
         "cyclic.pitch",
-        "the screws wobble: an error that repeats with every turn",
-        "enter the wave in the controller, or read the legs with linear encoders"
+        "the screws wobble: the error repeats with every turn",
+        "compensate the wave in the controller, or read the legs with linear encoders"
     );
 
     fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {

@@ -1,13 +1,13 @@
 //! The catalogue of causes.
 //!
 //! Each file states the equation, the usual size, what the effect needs and what it is confused with. `Δᵢ` is the true
-//! coordinate of joint `i` less the commanded one, `Lᵢ` the commanded coordinate and `L₀ᵢ` that at home.
+//! coordinate of joint `i` minus the commanded one, `Lᵢ` the commanded coordinate and `L₀ᵢ` that at home.
 //!
 //! | name | equation | parameters |
 //! |---|---|---|
 //! | `thermal.legs.uniform` | `Δᵢ = α Lᵢ (T̄ - T₀)` | expansion |
 //! | `thermal.legs.individual` | `Δᵢ = α Lᵢ (Tᵢ - T₀)` | expansion |
-//! | `thermal.leg.single` | the same for one leg `k` | expansion |
+//! | `thermal.leg.single` | as above, for one leg `k` only | expansion |
 //! | `thermal.platform`, `thermal.base` | `δaᵢ = α (T_p - T₀) aᵢ`, `δbᵢ = α (T_b - T₀) bᵢ` | expansion |
 //! | `thermal.gradient` | `δbᵢ = α (T₀' + ½ G·bᵢ) bᵢ` with `T₀' + G·b` through three or more sensors | expansion |
 //! | `thermal.pose` | `δq = v (T - T₀)` in pose space | six |
@@ -23,7 +23,7 @@
 //! | `joint.pivot_shift` | `Δᵢ = κ ϑᵢ²` | κ |
 //! | `joint.screw_coupling` | `Δᵢ = κ ψᵢ`, `ψᵢ` the twist of the leg | κ |
 //! | `drift.frame`, `drift.leg` | `δq = d τ`, seen; `Δₖ = d τ`, `τ` from 0 to 1 through the run | six; one |
-//! | `step.frame`, `step.leg` | the same from one row on | six; one |
+//! | `step.frame`, `step.leg` | as the drifts, a constant from one row on | six; one |
 //!
 //! Misplaced trackers, misplaced targets and offsets of legs are not in the catalogue: the kinematic parameters
 //! contain them to rounding (18 of the 42 directions), and a diagnosis that finds them is wrong.

@@ -34,8 +34,8 @@ pub struct ThermalLegsUniform;
 impl Effect for ThermalLegsUniform {
     describe!(
         "thermal.legs.uniform",
-        "all legs grow with the mean temperature of the legs",
-        "measure the temperature of the legs and correct the commanded lengths by it, or use legs that grow less"
+        "all legs expand with their mean temperature",
+        "measure the temperature of the legs and correct the commanded lengths for it, or use legs that expand less"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -70,8 +70,8 @@ pub struct ThermalLegsIndividual;
 impl Effect for ThermalLegsIndividual {
     describe!(
         "thermal.legs.individual",
-        "each leg grows with its own temperature",
-        "correct each commanded length by the temperature of its leg; find what heats the legs differently"
+        "each leg expands with its own temperature",
+        "correct each commanded length for the temperature of its leg; find what heats the legs differently"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -105,8 +105,9 @@ pub struct ThermalLegSingle;
 impl Effect for ThermalLegSingle {
     describe!(
         "thermal.leg.single",
-        "one leg grows with its temperature unlike the others: another material, a bad sensor, or the heat of its motor",
-        "look at the material and the temperature sensor of that leg, and at what warms it"
+        "one leg expands with its temperature unlike the others: a different material, a bad sensor, or the heat of \
+         its motor",
+        "check the material and the temperature sensor of that leg, and what warms it"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -148,7 +149,7 @@ fn body_missing(context: &EffectContext<'_>, available: &AvailableData, body: Bo
     let mut missing = unrecorded(available, &[column]);
     if !context.has_points(body) {
         let name = if body == Body::Platform { "platform" } else { "base" };
-        missing.push(format!("points of the {name} among the parameters"));
+        missing.push(format!("{name} points among the parameters"));
     }
     missing
 }
@@ -160,8 +161,8 @@ pub struct ThermalPlatform;
 impl Effect for ThermalPlatform {
     describe!(
         "thermal.platform",
-        "the platform grows with its temperature, and the joints on it move outwards",
-        "correct by the temperature of the platform, or choose a material for it that grows less"
+        "the platform expands with its temperature, and the joints on it move outwards",
+        "correct for the temperature of the platform, or choose a material for it that expands less"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -190,8 +191,8 @@ pub struct ThermalBase;
 impl Effect for ThermalBase {
     describe!(
         "thermal.base",
-        "the base grows with its temperature, and the joints on it move outwards",
-        "correct by the temperature of the base, or let it reach a steady temperature before the work"
+        "the base expands with its temperature, and the joints on it move outwards",
+        "correct for the temperature of the base, or let it reach a steady temperature before use"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -241,8 +242,8 @@ impl ThermalGradient {
 impl Effect for ThermalGradient {
     describe!(
         "thermal.gradient",
-        "the base grows unevenly, because one side of it is warmer than the other",
-        "shield the base from the source of heat, or correct by the temperatures of its sensors"
+        "the base expands unevenly, because one side of it is warmer than the other",
+        "shield the base from the heat source, or correct for the temperatures of its sensors"
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
@@ -253,7 +254,7 @@ impl Effect for ThermalGradient {
         }
         missing.extend(on_base.iter().filter(|s| !available.has(&s.covariate)).map(|s| s.covariate.clone()));
         if !context.has_points(Body::Base) {
-            missing.push("points of the base among the parameters".into());
+            missing.push("base points among the parameters".into());
         }
         missing
     }

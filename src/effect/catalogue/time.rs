@@ -1,4 +1,4 @@
-//! What changes with time alone.
+//! Effects that change with time alone.
 //!
 //! A tracker drifts by 1 to 20 µm per hour; a bump moves it by 10 to 1000 µm; a coupling that slips or a homing run moves
 //! one leg by 5 to 500 µm. Drifts are per run, 0 at its first row and 1 at its last. They describe the run and predict
@@ -34,7 +34,7 @@ impl Course {
 }
 
 fn needs_run(available: &AvailableData) -> Vec<String> {
-    if available.run { Vec::new() } else { vec!["rows in the order of measuring".into()] }
+    if available.run { Vec::new() } else { vec!["rows in the order of measurement".into()] }
 }
 
 fn time() -> Vec<String> {
@@ -55,16 +55,16 @@ impl Effect for FrameMoves {
 
     fn cause(&self) -> &str {
         match self.0 {
-            Course::Drift => "the frame of the instrument drifts through the run: a tracker or a stand that moves",
+            Course::Drift => "the frame of the instrument drifts during the run: the tracker or its stand moves",
             Course::Step => {
-                "the frame of the instrument jumped between two rows: somebody touched the tracker or the target"
+                "the frame of the instrument jumped between two rows: someone touched the tracker or the target"
             }
         }
     }
 
     fn remedy(&self) -> &str {
         match self.0 {
-            Course::Drift => "measure one reference pose again every ten samples, and let the instrument warm up",
+            Course::Drift => "repeat a reference pose every ten samples, and let the instrument warm up",
             Course::Step => "register the instrument again, or split the file at that row",
         }
     }
@@ -122,14 +122,14 @@ impl Effect for LegMoves {
 
     fn cause(&self) -> &str {
         match self.0 {
-            Course::Drift => "one leg creeps through the run: its encoder, its brake or its warming motor",
+            Course::Drift => "one leg creeps during the run: its encoder, its brake, or its motor warming up",
             Course::Step => "one leg jumped between two rows: a coupling slipped, or it was homed again",
         }
     }
 
     fn remedy(&self) -> &str {
         match self.0 {
-            Course::Drift => "look at the encoder and the brake of that leg; home it again and repeat the run",
+            Course::Drift => "check the encoder and the brake of that leg; home it again and repeat the run",
             Course::Step => "tighten the coupling of that leg, home it, and split the file at that row",
         }
     }

@@ -12,7 +12,7 @@ use crate::pose::RotationOrder;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MechanismDocument {
-    /// What people call the mechanism.
+    /// Display name of the mechanism.
     #[serde(default = "unnamed")]
     pub name: String,
     /// Kind of mechanism.
@@ -47,7 +47,7 @@ pub struct MechanismDocument {
     /// In a calibrated file of another kind than six hardpoints: the legs by which poses are commanded.
     #[serde(default, rename = "nominal_leg")]
     pub nominal_legs: Vec<LegEntry>,
-    /// The same for cables.
+    /// In a calibrated file: the cables by which poses are commanded.
     #[serde(default, rename = "nominal_cable")]
     pub nominal_cables: Vec<CableEntry>,
     /// In a calibrated file of another kind than six hardpoints: the frames of the measurement.

@@ -16,7 +16,7 @@ use crate::files::mechanism::sections::EffectEntry;
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};
 
-/// What is wrong with an entry: the key, if it is one, and the problem.
+/// A problem with an entry: the key, if it is about one, and the problem.
 struct Trouble {
     key: Option<&'static str>,
     problem: String,
@@ -31,7 +31,7 @@ fn active(entry: &EffectEntry, context: &EffectContext<'_>, catalogue: &Catalogu
     let name = &entry.name;
     let Some(found) = catalogue.get(name).cloned() else {
         let all: Vec<String> = catalogue.iter().map(|e| e.name().to_owned()).collect();
-        return Err(trouble("name", format!("'{name}' is no effect; those that are known are {}", all.join(", "))));
+        return Err(trouble("name", format!("'{name}' is not an effect; the known ones are {}", all.join(", "))));
     };
     let at = place(entry, found.as_ref(), context)?;
     let lacking = found.missing(context, &AvailableData::everything(context, found.as_ref(), &at));
@@ -42,13 +42,29 @@ fn active(entry: &EffectEntry, context: &EffectContext<'_>, catalogue: &Catalogu
     let expected: Vec<String> = found.parameters(context).into_iter().map(|p| p.name).collect();
     for (key, values) in [("parameters", &entry.parameters), ("sigma", &entry.sigma)] {
         if let Some(unknown) = values.keys().find(|k| !expected.contains(k)) {
-            return Err(trouble(key, format!("'{unknown}' is no parameter of it; those are {}", expected.join(", "))));
+            return Err(trouble(
+                key,
+                format!(
+                    "'{unknown}' is not one of its parameters; those are \
+                                             {}",
+                    expected.join(", ")
+                ),
+            ));
         }
     }
     let mut values = Vec::with_capacity(expected.len());
     for name in &expected {
         let Some(value) = entry.parameters.get(name) else {
-            return Err(trouble("parameters", format!("'{name}' is missing; it has {}", expected.join(", "))));
+            return Err(trouble(
+                "parameters",
+                format!(
+                    "'{name}' is missing; the parameters are {}",
+                    expected.join(
+                        ", \
+                                "
+                    )
+                ),
+            ));
         };
         values.push(*value);
     }
@@ -60,7 +76,13 @@ fn active(entry: &EffectEntry, context: &EffectContext<'_>, catalogue: &Catalogu
         return Err(trouble(key, format!("'{name}' is {value}, not a finite number; write a number")));
     }
     if let Some((name, [low, high])) = entry.range.iter().find(|(_, [low, high])| low > high) {
-        return Err(trouble("range", format!("'{name}' is [{low}, {high}], no interval; write [smallest, largest]")));
+        return Err(trouble(
+            "range",
+            format!(
+                "'{name}' is [{low}, {high}], which is not an interval; write [smallest, \
+                            largest]"
+            ),
+        ));
     }
     Ok(ActiveEffect { effect: found, at, values, range: entry.range.clone() })
 }
@@ -84,7 +106,7 @@ fn place(entry: &EffectEntry, effect: &dyn Effect, context: &EffectContext<'_>) 
             return Err(trouble(key, format!("is missing; state {what}")));
         }
         if stated && !needed {
-            return Err(trouble(key, "means nothing for this effect; delete it"));
+            return Err(trouble(key, "does not apply to this effect; delete it"));
         }
     }
     if at.leg.is_some_and(|leg| leg >= legs) {
@@ -106,7 +128,7 @@ fn is_width(tried: &[String], of: &str) -> bool {
     tried.iter().all(|t| width(t)) && width(of)
 }
 
-/// What the entries of a document make of a mechanism.
+/// Effects and environment from the entries of a document.
 pub(crate) struct Effects {
     pub(crate) mechanism: Box<dyn Mechanism>,
     pub(crate) instrument: Vec<ActiveEffect>,
@@ -127,12 +149,12 @@ pub(crate) fn with_effects(
         for (covariate, value) in &entry.reference {
             let wrong = |problem: String| r.value(format!("{}, `reference`", place(k)), problem);
             if environment.reference_temperature.is_some() {
-                return Err(wrong("means nothing beside reference_temperature_degC; delete one of them".into()));
+                return Err(wrong("cannot be combined with reference_temperature_degC; delete one of them".into()));
             }
             let known = environment.references.insert(covariate.clone(), *value).filter(|known| known != value);
             if let Some(known) = known {
                 return Err(wrong(format!(
-                    "'{covariate}' is {value}, and {known} in an entry before; state one value"
+                    "'{covariate}' is {value}, but {known} in an earlier entry; state one value"
                 )));
             }
         }
@@ -143,7 +165,7 @@ pub(crate) fn with_effects(
         for (k, entry) in document.effects.iter().enumerate() {
             let found = active(entry, &context, catalogue).map_err(|t| about(r, &place(k), t))?;
             if all.iter().any(|other| other.label() == found.label()) {
-                let problem = format!("{} stands twice; keep one of them", found.label());
+                let problem = format!("{} is stated twice; keep one of them", found.label());
                 return Err(r.value(place(k), problem));
             }
             all.push(found);

@@ -1,4 +1,4 @@
-//! What a mechanism file states about the world around the mechanism, SI.
+//! Surroundings of the mechanism as its file states them, SI.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +26,7 @@ pub(crate) fn environment(
     for (k, entry) in document.sensors.iter().enumerate() {
         let sensor = sensor(r, k, entry, kinds)?;
         if let Some(other) = sensors.iter().position(|s| s.covariate == sensor.covariate) {
-            let problem = format!("'{}' is that of sensor {} already; name another", entry.covariate, other + 1);
+            let problem = format!("'{}' is already that of sensor {}; name another", entry.covariate, other + 1);
             return Err(r.value(format!("sensor {}, `covariate`", k + 1), problem));
         }
         sensors.push(sensor);
@@ -52,7 +52,7 @@ fn sensor(r: &Reader<'_>, k: usize, entry: &SensorEntry, kinds: &ConditionTable)
         .is_some_and(|(_, unit)| Unit::named(unit).is_some_and(|u| u.dimension == Dimension::Temperature));
     if !kinds.is_temperature(name) || with_unit {
         let problem =
-            "is no name of temperatures; write that of the data column without its unit, such as \"temp_base1\"";
+            "is not the name of a temperature; write that of the data column without its unit, such as \"temp_base1\"";
         return Err(r.value(place("covariate"), format!("'{name}' {problem}")));
     }
     let (body, key, at) = match (entry.platform, entry.base) {

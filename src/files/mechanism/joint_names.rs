@@ -17,7 +17,7 @@ pub(crate) fn check_joints(
         let place = format!("leg {}, `joint`", k + 1);
         let Some(name) = &leg.joint else {
             if leg.joint_reversed {
-                return Err(r.value(place, "is missing beside `joint_reversed`; name the joint"));
+                return Err(r.value(place, "is missing, but `joint_reversed` is stated; name the joint"));
             }
             continue;
         };
@@ -25,7 +25,7 @@ pub(crate) fn check_joints(
             return Err(r.value(place, "is empty; name the joint, or delete the key"));
         }
         if let Some(other) = document.legs[..k].iter().position(|l| l.joint.as_ref() == Some(name)) {
-            return Err(r.value(place, format!("'{name}' is the joint of leg {} already; name another", other + 1)));
+            return Err(r.value(place, format!("'{name}' is already the joint of leg {}; name another", other + 1)));
         }
         if let Some(meaning) = taken(name, document, kinds) {
             warnings.push(format!(
@@ -49,5 +49,5 @@ fn taken(name: &str, document: &MechanismDocument, kinds: &ConditionTable) -> Op
     }
     let prefix = ["sigma_", "cmd_"].iter().any(|p| name.starts_with(p));
     let condition = kinds.of(name).is_some_and(|kind| kind.needs_unit && kind.is_recorded());
-    (prefix || condition || POSE_NAMES.contains(&name)).then_some("a quantity of its own")
+    (prefix || condition || POSE_NAMES.contains(&name)).then_some("another quantity")
 }

@@ -21,7 +21,7 @@ impl PlaneSection {
         }
     }
 
-    /// What it states, SI.
+    /// The section in SI.
     pub(crate) fn read(&self, r: &Reader<'_>) -> Result<Contact, FileError> {
         for v in &self.normal {
             r.finite("[plane] normal", *v)?;
@@ -37,7 +37,7 @@ impl PlaneSection {
     }
 }
 
-/// The same contact after base and platform were carried into these frames.
+/// A contact transformed into these frames of base and platform.
 pub(crate) fn carried(contact: &Contact, frames: &Frames) -> Contact {
     let tip = frames.target.inverse().place(&contact.tip);
     Contact { plane: contact.plane.seen_from(&frames.base), tip, ..*contact }

@@ -111,7 +111,7 @@ fn targets(r: &Reader<'_>, document: &MechanismDocument) -> Result<Vec<TargetPoi
     for t in &document.targets {
         let place = format!("[[target]] '{}'", t.name);
         if targets.iter().any(|k| k.name == t.name) {
-            return Err(r.value(place, "is stated twice; give each target a name of its own"));
+            return Err(r.value(place, "is stated twice; give each target its own name"));
         }
         let platform = t.platform.as_ref().map(|p| r.point(&place, p)).transpose()?;
         targets.push(TargetPoint { name: t.name.clone(), platform });

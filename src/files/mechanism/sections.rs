@@ -240,7 +240,7 @@ pub struct OffsetSection {
 }
 
 impl EffectEntry {
-    /// What people call it: `drift.leg[leg=3]`.
+    /// Display name, such as `drift.leg[leg=3]`.
     pub fn label(&self) -> String {
         let at = ScanPoint { leg: self.leg.map(|leg| leg.wrapping_sub(1)), row: self.row, covariate: self.of.clone() };
         label(&self.name, &at)

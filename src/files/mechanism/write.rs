@@ -69,7 +69,8 @@ impl Machine {
         Ok(document)
     }
 
-    /// What is stated on the platform moves with the platform frame, what stands on the base with the base.
+    /// Transforms the sections of the file: points on the platform follow the platform frame, those on the base the
+    /// base frame.
     fn carry_sections(&self, document: &mut MechanismDocument, frames: &Frames) {
         let onto_target = frames.target.inverse();
         let moved = |p: &mut [f64; 3]| self.move_point(p, &onto_target);

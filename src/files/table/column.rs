@@ -1,4 +1,4 @@
-//! What a column of a table means, from its name.
+//! Meaning of a table column, from its name.
 
 use crate::conditions::{ConditionTable, Role};
 use crate::files::table::joint_columns::JointColumn;
@@ -64,7 +64,7 @@ pub(crate) fn pose_dimension(k: usize) -> Dimension {
 /// The column that a name stands for.
 ///
 /// # Errors
-/// What is wrong with the name, and what to do.
+/// The problem with the name, and its remedy.
 pub(crate) fn column(
     name: &str,
     header: &[String],
@@ -85,7 +85,7 @@ pub(crate) fn column(
         Some(unit) if unit.dimension == dimension => {
             Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
         }
-        Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
+        Some(unit) => Err(format!("'{}' is not a unit for it; use one of {}", unit.name, dimension.choices())),
         None => Err(missing_unit(name, base, dimension, kinds)),
     };
     if let Some(meaning) = whole_name(name, kinds) {
@@ -130,7 +130,7 @@ pub(crate) fn column(
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
         let known = column(&small, &[], mechanism, readings, joints, kinds);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
-            return Err(format!("names are written in small letters; did you mean '{small}'?"));
+            return Err(format!("names are lower case; did you mean '{small}'?"));
         }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })

@@ -24,7 +24,7 @@ pub struct Measurement {
     /// Samples, readings and noise, seen through the effects of the mechanism file on the measurement
     /// ([`Machine::instrument`]).
     pub data: Dataset,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// What was measured.
     pub(crate) kind: &'static dyn ReadingKind,
@@ -59,7 +59,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
     // Noise that the mechanism file does not state is known if the sigma columns state it for every reading.
     if !noise.known && table.columns.iter().any(|c| states_sigma(&c.meaning)) {
         if !every_sigma {
-            let part = "states sigma for a part of the readings, and the mechanism file has no [noise] for the rest";
+            let part = "states sigma for only part of the readings, and the mechanism file has no [noise] for the rest";
             return Err(problem(part.into()));
         }
         noise.known = true;
@@ -115,7 +115,8 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
         let joint = mechanism.joints().iter().find(|j| j.name == missing[0]).map_or(Dimension::Length, |j| j.dimension);
         let (noun, unit) = (joint.noun(), machine.unit(joint).name);
         return Err(header(format!(
-            "no column for {}; commanded {noun} stand in columns such as '{}_{unit}', or a commanded pose in cmd_x_{length} …",
+            "no column for {}; give commanded {noun} in columns such as '{}_{unit}', or a commanded pose in \
+             cmd_x_{length} …",
             missing.join(", "),
             missing[0],
         )));

@@ -25,7 +25,7 @@ use crate::units::Dimension;
 pub struct PlannedConditions {
     /// The conditions in order, outside of a run.
     pub states: Vec<Conditions>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -77,8 +77,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 impl Machine {
     /// The reference campaign in words.
     pub fn reference_conditions_in_words(&self) -> String {
-        let air = "air through 1.5 cycles of 3 K amplitude in the run, each leg 0.8 K about it by itself, platform and base \
-                   behind it";
+        let air = "air temperature through 1.5 cycles of 3 K amplitude during the run, each leg varying by 0.8 K about it on its \
+                   own, platform and base lagging";
         let varied: Vec<String> = self.condition_kinds().iter().filter_map(in_words).collect();
         let varied = if varied.is_empty() { String::new() } else { format!("; {}", varied.join(", ")) };
         format!("{air}{varied}")

@@ -32,7 +32,7 @@ pub struct PoseList {
     pub poses: Vec<ListedPose>,
     /// The columns of covariates and times as they stand in the file.
     pub covariates: CsvTable,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -135,7 +135,7 @@ pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) 
             return Err(cell_error(leg_column, &bad_leg));
         }
         if std::mem::replace(&mut listed[leg - 1], true) {
-            return Err(cell_error(leg_column, "stands twice; keep one row for each leg"));
+            return Err(cell_error(leg_column, "appears twice; keep one row for each leg"));
         }
         for (k, column) in columns.iter().enumerate() {
             let Some((stem, unit)) = column else { continue };
@@ -182,7 +182,7 @@ fn error_columns(
             (_, Some(dimension)) => (with_unit.0, dimension),
             _ => {
                 let known = stems(specs).join(" ");
-                return Err(column_error(name, format!("is no parameter of a leg; use {known} with a unit")));
+                return Err(column_error(name, format!("is not a parameter of a leg; use {known} with a unit")));
             }
         };
         let unit = match dimension {

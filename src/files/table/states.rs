@@ -19,7 +19,7 @@ pub(crate) struct States {
     pub(crate) states: Vec<Conditions>,
     /// Columns of no known meaning that hold no number at all, such as remarks.
     pub(crate) ignored: Vec<usize>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -149,7 +149,7 @@ impl Gravity {
             let known = table.columns[k].unit.is_some_and(|u| u.dimension == Dimension::Angle);
             if !known {
                 let column = &table.columns[k].name;
-                let message = format!("column '{column}' states no unit of angle, and gravity is not taken from it");
+                let message = format!("column '{column}' states no unit of angle, so gravity is not taken from it");
                 warnings.push(format!("{message}; call it {name}_deg"));
             }
             known.then_some(k)
@@ -181,7 +181,8 @@ impl Gravity {
                 }
                 [None, None, None] => {}
                 _ => {
-                    let problem = "belongs to a direction of gravity of which only a part is filled; fill all three cells or none";
+                    let problem = "belongs to a direction of gravity that is only partly filled; fill all three cells \
+                                   or none";
                     return Err(table.cell_error(row, columns[0], problem));
                 }
             }

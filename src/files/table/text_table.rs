@@ -37,7 +37,7 @@ impl Table {
             let found = of(name).map_err(problem)?;
             if let Some(other) = columns.iter().find(|c| c.meaning == found.meaning) {
                 return Err(problem(if other.name == *name {
-                    "stands twice in the header; delete or rename one of them".into()
+                    "appears twice in the header; delete or rename one of them".into()
                 } else {
                     format!("means the same as column '{}'; keep one of them", other.name)
                 }));
@@ -110,7 +110,7 @@ impl Table {
             0 => return Ok(None),
             4 => {}
             _ => {
-                let problem = "belongs to a quaternion of which only a part is filled; fill all four cells or none";
+                let problem = "belongs to a quaternion that is only partly filled; fill all four cells or none";
                 return Err(self.cell_error(row, columns[0], problem));
             }
         }
@@ -174,7 +174,8 @@ pub(crate) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<Stri
     let (_, header) = rows.remove(0);
     if let Some(separator) = other_separator(&header) {
         let problem = format!(
-            "the columns are separated by {separator}; save the table with commas between columns and points in numbers"
+            "the columns are separated by {separator}; save the table with commas between columns and decimal points \
+             in numbers"
         );
         return Err(FileError::Header { path: path.into(), problem });
     }

@@ -33,8 +33,8 @@ pub(super) fn add_closures(
     }
     if let Some(first) = closures.iter().find(|c| c.ends.iter().any(|e| e.frame.is_none())) {
         let text = format!(
-            "{} '{}' and others like it state their place in '{}' or its like only; the other place is taken at home, so the \
-             anchors are right only if the file is assembled there: at q = 0, or at `--home joint=value`",
+            "{} '{}' and others like it state their place in '{}' or similar links only; the other place is taken at \
+             home, so the anchors are right only if the file is assembled there: at q = 0, or at `--home joint=value`",
             first.source, first.name, first.ends[0].link
         );
         findings.add(K::PlaceTakenAtHome, &first.name, first.line, text);
@@ -63,7 +63,8 @@ pub(super) fn add_closures(
         } else {
             let other = &model.edges[first];
             let text = format!(
-                "{} '{}' and {} '{}' close the same two bodies in different places or ways; delete one of them",
+                "{} '{}' and {} '{}' close the same two bodies at different places or in different ways; delete one \
+                 of them",
                 closure.source, closure.name, other.source, other.name
             );
             findings.add(K::ConflictingClosures, &closure.name, closure.line, text);
@@ -72,7 +73,7 @@ pub(super) fn add_closures(
     }
 }
 
-/// What two closures of the same bodies leave free, if they say the same.
+/// Freedoms of two closures of the same bodies, if they agree.
 fn agreed(first: &Edge, second: &Edge, bodies: &Bodies, tolerance: f64) -> Option<Motion> {
     let swapped = bodies.of[first.sides[0].link] != bodies.of[second.sides[0].link];
     let other = if swapped { [1, 0] } else { [0, 1] };

@@ -36,7 +36,7 @@ impl End {
             Motion::Undecided => self.undecided.push(point),
             Motion::Fixed => {}
             Motion::Slide(_) | Motion::Planar | Motion::Floating => {
-                return Err("has no place in a leg beside the slide; use revolute or spherical joints");
+                return Err("cannot be in a leg in addition to the slide; use revolute or spherical joints");
             }
         }
         Ok(())
@@ -60,12 +60,12 @@ pub(super) fn decide(ends: &mut [End; 2]) -> Result<(), String> {
     }
     Err(match count {
         0 => format!(
-            "has {turns} turning freedoms beside its slide and needs 5 or 6 to leave the platform free; add the joint that \
-             is missing, or correct the type of a closure"
+            "has {turns} rotational freedoms besides its slide and needs 5 or 6 to leave the platform free; add the \
+             joint that is missing, or correct the type of a closure"
         ),
         _ => format!(
-            "has {turns} turning freedoms and a closure of unknown kind, which fits neither a ball (2 or 3) nor a fixed \
-             flange (5 or 6); state the kind of the closure"
+            "has {turns} rotational freedoms and a closure of unknown kind, which fits neither a ball (2 or 3) nor a \
+             fixed flange (5 or 6); state the kind of the closure"
         ),
     })
 }
@@ -77,8 +77,8 @@ pub(super) fn common_point(end: &End, what: &str, joint: &str) -> Result<Vector3
     }
     if end.lines.is_empty() {
         let text = format!(
-            "the leg of joint '{joint}' has no turning joint at its {what} end, as in a hexaglide (6-PUS); a leg of this \
-             kind has joints at both ends"
+            "the leg of joint '{joint}' has no rotational joint at its {what} end, as in a hexaglide (6-PUS); a leg \
+             of this kind has joints at both ends"
         );
         return Err((K::SlideOnBase, text));
     }
@@ -94,8 +94,8 @@ pub(super) fn common_point(end: &End, what: &str, joint: &str) -> Result<Vector3
     let solution = normal.lu().solve(&right).filter(|_| weakest > 1e-4);
     solution.map(|p| origin + p).ok_or_else(|| {
         let text = format!(
-            "the {what} end of the leg of joint '{joint}' turns about one direction only, so its anchor is not determined \
-             (an RPS leg?); a leg of this kind has two or three axes there"
+            "the {what} end of the leg of joint '{joint}' rotates about one direction only, so its anchor is not \
+             determined (an RPS leg?); a leg of this kind has two or three axes there"
         );
         (K::AnchorUndetermined, text)
     })
@@ -132,8 +132,8 @@ pub(super) fn check_turns(ends: &[End; 2], rod: &Vector3<f64>, joint: &str) -> R
     for (k, end) in ends.iter().enumerate() {
         if end.points.is_empty() && rank(end, across) < 2 {
             let text = format!(
-                "the {} end of the leg of joint '{joint}' tilts in one plane only, and turns about the leg itself; give it \
-                 two axes across the leg, or a ball",
+                "the {} end of the leg of joint '{joint}' tilts in one plane only, and rotates about the leg itself; \
+                 give it two axes across the leg, or a ball",
                 ["base", "platform"][k]
             );
             return Err((K::AnchorUndetermined, text));
@@ -147,8 +147,8 @@ pub(super) fn check_turns(ends: &[End; 2], rod: &Vector3<f64>, joint: &str) -> R
     let with_leg = |turns: Vec<Vector3<f64>>| turns.into_iter().chain(about_itself.then_some(*rod)).collect();
     if rank(&ends[1], with_leg) < 3 {
         let text = format!(
-            "the leg of joint '{joint}' leaves the platform two turns and not three, since axes of its ends are parallel; \
-             correct the axes, or the axis of the closure"
+            "the leg of joint '{joint}' leaves the platform two rotations instead of three, since axes of its ends \
+             are parallel; correct the axes, or the axis of the closure"
         );
         return Err((K::LegMobility, text));
     }

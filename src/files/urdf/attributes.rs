@@ -76,13 +76,13 @@ pub(super) fn number_list<const N: usize>(
     let element = what.split('\'').nth(1).unwrap_or_default();
     let values: Option<Vec<f64>> = text.split_whitespace().take(N + 1).map(|t| t.parse().ok()).collect();
     let Some(values) = values.and_then(|v| <[f64; N]>::try_from(v).ok()) else {
-        let text = format!("{what} must be {N} numbers with spaces between them; correct it");
+        let text = format!("{what} must be {N} numbers separated by spaces; correct it");
         findings.add(K::BadNumber, element, line, text);
         return None;
     };
     // Squares of such numbers are no numbers any more.
     if values.iter().any(|v| !(v.abs() < 1e100)) {
-        let text = format!("{what} holds a number that is not finite; write the real number");
+        let text = format!("{what} holds a number that is not finite; write the actual number");
         findings.add(K::NotFinite, element, line, text);
         return None;
     }

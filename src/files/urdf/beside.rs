@@ -26,7 +26,7 @@ struct YamlDocument {
     joint_type: Vec<String>,
 }
 
-/// What stands beside a URDF.
+/// Contents of the side files of a URDF.
 #[derive(Debug, Default)]
 pub(super) struct Beside {
     /// The TOML file that is used.
@@ -99,11 +99,14 @@ impl Beside {
         if let Some(kind) = y.kinds.iter().find(|k| !["3d", "6d"].contains(&k.to_lowercase().as_str())) {
             return Err(wrong(
                 "type",
-                format!("'{kind}' is no kind of closure; use 3d (a point) or 6d (a fixed flange)"),
+                format!("'{kind}' is not a kind of closure; use 3d (a point) or 6d (a fixed flange)"),
             ));
         }
         if y.joint_name.len() != y.joint_type.len() {
-            return Err(wrong("joint_type", "has another number of entries than `joint_name`; state one each".into()));
+            return Err(wrong(
+                "joint_type",
+                "does not have as many entries as `joint_name`; state one for each".into(),
+            ));
         }
         if let Some(kind) = y.joint_type.iter().find(|k| joint_motion(k).is_none()) {
             return Err(wrong("joint_type", format!("'{kind}' is not known; use SPHERICAL or UJOINT")));
@@ -111,7 +114,7 @@ impl Beside {
         Ok(())
     }
 
-    /// What the call and the side files say, together. The call wins where only one of them can hold.
+    /// Settings of the call and the side files combined. The call wins where they conflict.
     pub(super) fn settings(&self, options: &UrdfOptions) -> Result<Settings, FileError> {
         let option =
             |names: &[String; 2]| Pair { names: names.clone(), motion: Motion::Undecided, source: Source::Option };
@@ -134,7 +137,7 @@ impl Beside {
                     Some("fixed") => Motion::Fixed,
                     Some(other) => {
                         let problem =
-                            format!("'{other}' is no kind of closure; use \"ball\", \"fixed\" or leave it out");
+                            format!("'{other}' is not a kind of closure; use \"ball\", \"fixed\" or leave it out");
                         return Err(wrong("close", problem));
                     }
                 };

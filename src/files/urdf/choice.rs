@@ -38,7 +38,7 @@ impl Choice<'_> {
             (Some(b), Some(p)) => {
                 let text = format!(
                     "the tree has its root in '{}' and the legs carry '{}', so base and platform would be swapped; state \
-                     `--base-link {}`, or `--base-link {}` if it is meant so",
+                     `--base-link {}`, or `--base-link {}` if that is intended",
                     name(p),
                     name(b),
                     name(b),

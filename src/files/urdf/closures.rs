@@ -42,7 +42,7 @@ impl std::fmt::Display for Source {
     }
 }
 
-/// What a joint or closure leaves free. Axes are in the first of its two frames.
+/// Freedoms of a joint or closure. Axes are in the first of its two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
     Fixed,
@@ -111,7 +111,7 @@ pub(super) fn frame(xyz: [f64; 3], turn: Turn) -> Frame {
     Frame::from_parts(Translation3::from(Vector3::from(xyz)), rotation)
 }
 
-/// What a type of closure leaves free; `None` if it is not known.
+/// Freedoms of a type of closure; `None` if the type is unknown.
 fn motion(kind: &str, axis: Option<[f64; 3]>) -> Option<Motion> {
     let axis = Vector3::from(axis.unwrap_or([1.0, 0.0, 0.0])).normalize();
     Some(match kind {
@@ -159,12 +159,12 @@ impl Parts<'_> {
         let kind = self.kind.map_or("", str::trim);
         let Some(motion) = motion(kind, axis) else {
             let known = "spherical, universal, revolute, continuous, prismatic, fixed";
-            let text = format!("{what} is of type '{kind}'; the types that are read are {known}");
+            let text = format!("{what} is of type '{kind}'; the supported types are {known}");
             findings.add(K::UnknownClosureType, name, line, text);
             return None;
         };
         if axis.is_none() && matches!(motion, Motion::Hinge(_) | Motion::Slide(_)) {
-            let text = format!("{what} states no direction of its axis; x is taken, so state <axis xyz=\"…\"/>");
+            let text = format!("{what} states no direction of its axis; x is assumed, so state <axis xyz=\"…\"/>");
             findings.add(K::DefaultAxis, &name, line, text);
         }
         Some(Closure { name, line: Some(line), source: Source::Tag(tag), motion, ends: [a, b] })

@@ -76,7 +76,7 @@ impl Description {
             let count = root.children_named(parts).count();
             if count > MAX_PARTS {
                 let text =
-                    format!("{count} {what}; at most {MAX_PARTS} are read, delete what is no part of the mechanism");
+                    format!("{count} {what}; at most {MAX_PARTS} are read, delete what is not part of the mechanism");
                 findings.add(K::TooLarge, "", root.line, text);
                 return description;
             }
@@ -88,7 +88,7 @@ impl Description {
         description.closures = inline(root, findings);
         let quaternions = description.joints.iter().find(|j| matches!(j.turn, Turn::Quaternion(_)));
         if let Some(joint) = quaternions.filter(|_| !description.version.as_deref().is_some_and(knows_quaternions)) {
-            let text = "quat_xyzw is used, though readers of URDF 1.0 pass over it; state version=\"1.1\" in <robot>";
+            let text = "quat_xyzw is used, though readers of URDF 1.0 ignore it; state version=\"1.1\" in <robot>";
             findings.add(K::Note, &joint.name, joint.line, text);
         }
         description
@@ -99,7 +99,7 @@ impl Description {
         for element in root.children_named("link") {
             let Some(name) = name_of(element, "link", findings) else { continue };
             if let Some(first) = seen.insert(name.clone(), element.line) {
-                let text = format!("link '{name}' stands on line {first} already; rename or delete one of them");
+                let text = format!("link '{name}' is already on line {first}; rename or delete one of them");
                 findings.add(K::DuplicateLink, name, element.line, text);
                 continue;
             }
@@ -111,7 +111,7 @@ impl Description {
         let line = element.line;
         let Some(name) = name_of(element, "joint", findings) else { return };
         if let Some(first) = self.joints.iter().find(|j| j.name == name) {
-            let text = format!("joint '{name}' stands on line {} already; rename or delete one of them", first.line);
+            let text = format!("joint '{name}' is already on line {}; rename or delete one of them", first.line);
             findings.add(K::DuplicateJoint, name, line, text);
             return;
         }
@@ -140,7 +140,7 @@ impl Description {
         let axis = element.child("axis").map(|a| {
             known_attributes(a, &["xyz"], &format!("{what} axis"), findings);
             if a.attribute("xyz").is_none() && matches!(kind, "revolute" | "continuous" | "prismatic") {
-                let text = format!("{what} has an <axis> without xyz; x is taken, so state xyz=\"…\"");
+                let text = format!("{what} has an <axis> without xyz; x is assumed, so state xyz=\"…\"");
                 findings.add(K::DefaultAxis, &name, a.line, text);
             }
             numbers(a, "xyz", &format!("{what} axis"), findings)
@@ -159,7 +159,7 @@ impl Description {
             *a = a.map(|v| v / largest);
         }
         if axis.is_none() && kind == "prismatic" {
-            let text = format!("{what} has no <axis>; x is taken, as URDF has it");
+            let text = format!("{what} has no <axis>; x is assumed, as URDF specifies");
             findings.add(K::DefaultAxis, &name, line, text);
         }
         let limit = element.child("limit").filter(|_| kind == "prismatic").and_then(|l| limits(l, &what, findings));
@@ -168,7 +168,7 @@ impl Description {
         self.joints.push(JointNote { name, line, kind, parent, child, xyz, turn, axis, limit, mimic });
     }
 
-    /// The same robot in the form that `urdf-rs` accepts.
+    /// The robot in the form that `urdf-rs` accepts.
     pub(super) fn reduced(&self) -> String {
         let list = |v: &[f64]| v.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ");
         let version = self.version.as_ref().map_or(String::new(), |v| format!(" version=\"{}\"", escaped(v)));

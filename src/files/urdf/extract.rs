@@ -183,7 +183,7 @@ fn range(model: &Model, leg: &Measured, settings: &Settings, findings: &mut Find
     let ends =
         if leg.reversed { [leg.length - upper, leg.length - lower] } else { [leg.length + lower, leg.length + upper] };
     if !(ends[0] > 0.0) {
-        let text = format!("can move until the leg is {:.3} mm long, which is no length", 1e3 * ends[0]);
+        let text = format!("can move until the leg is {:.3} mm long, which is not a length", 1e3 * ends[0]);
         return wrong(K::EmptyRange, text);
     }
     Some(ends)

@@ -186,14 +186,14 @@ impl<'a> Graph<'a> {
         if legs.is_empty() {
             let name = self.name(platform);
             let text =
-                format!("no leg joins the base with the body of '{name}'; close its loops, or name another platform");
+                format!("no leg connects the base to the body of '{name}'; close its loops, or name another platform");
             findings.add(K::DisconnectedPlatform, name, self.line(platform), text);
             return None;
         }
         if legs.iter().all(|l| l.slides.is_empty() && l.passive_slides.is_empty()) {
             let text = format!(
                 "none of the {} legs has a prismatic joint; they look driven by revolute joints (6-RSS, a rotary Stewart \
-                 platform), which is no six-hardpoint mechanism: implement `Mechanism` for it",
+                 platform), which is not a six-hardpoint mechanism: implement `Mechanism` for it",
                 legs.len()
             );
             findings.add(K::NoPrismaticActuators, "", None, text);
@@ -210,14 +210,14 @@ impl<'a> Graph<'a> {
             let hint = if loose.is_empty() {
                 String::new()
             } else {
-                format!("; without an end on both: {}, close it with `--close tip=anchor`", loose.join("; "))
+                format!("; not attached to both: {}, close it with `--close tip=anchor`", loose.join("; "))
             };
             let (kind, advice) = match legs.len() {
                 0..6 => (K::TooFewLegs, "add what is missing"),
-                _ => (K::TooManyLegs, "delete those that are none, or name the platform with `--platform-link`"),
+                _ => (K::TooManyLegs, "delete those that are not, or name the platform with `--platform-link`"),
             };
             let text = format!(
-                "{} of 6 legs join the base with the body of '{}'{hint}; {advice}",
+                "{} of 6 legs connect the base to the body of '{}'{hint}; {advice}",
                 legs.len(),
                 self.name(platform)
             );
@@ -225,7 +225,7 @@ impl<'a> Graph<'a> {
             wrong = true;
         }
         for edge in legs.iter().flat_map(|l| &l.dead_ends).map(|k| &self.model.edges[*k]) {
-            let text = format!("joint '{}' slides on a leg but leads to nothing, so it is passed over", edge.name);
+            let text = format!("joint '{}' slides on a leg but leads to nothing, so it is ignored", edge.name);
             findings.add(K::Note, &edge.name, edge.line, text);
         }
         legs.sort_by_key(|l| l.slides.first().copied());

@@ -46,25 +46,26 @@ impl Assembly<'_> {
         let apart: Vec<&str> =
             legs.iter().zip(&gaps).filter(|(_, g)| !(**g <= tolerance)).map(|(l, _)| l.joint.as_str()).collect();
         let which = if apart.len() < legs.len() {
-            format!(" (of {} legs only these: {})", legs.len(), apart.join(", "))
+            format!(" (of {} legs, only these: {})", legs.len(), apart.join(", "))
         } else {
             String::new()
         };
         let solved = nearest(legs, &lengths, &tree);
         let Some(pose) = solved else {
             let text = format!(
-                "at its joint coordinates of home the leg of joint '{worst}' misses its anchor by {:.3} mm{which}, and no pose near that of \
-                 the file fits the lengths; the home pose is sought above the base instead. Give the assembled joint \
-                 coordinates by `--home joint=value`, or [home] in a side file",
+                "at its home joint coordinates the leg of joint '{worst}' misses its anchor by {:.3} mm{which}, and \
+                 no pose near that of the file fits the lengths; the home pose is searched for above the base \
+                 instead. Give the assembled joint coordinates by `--home joint=value`, or [home] in a side file",
                 1e3 * gap
             );
             findings.add(K::HomeNotClosed, worst, line, text);
             return None;
         };
         let text = format!(
-            "at its joint coordinates of home the leg of joint '{worst}' misses its anchor by {:.3} mm{which}; the home pose \
-             is solved from the lengths instead. Either the pose of the platform is not that of the home, and anchors and \
-             lengths hold: correct it, or state `--home joint=value`; or a closure joins the wrong pair: correct that",
+            "at its home joint coordinates the leg of joint '{worst}' misses its anchor by {:.3} mm{which}; the home \
+             pose is solved from the lengths instead. Either the anchors and lengths are right and the platform is \
+             not at its home pose: correct that pose, or state `--home joint=value`; or a closure joins the wrong \
+             pair: correct that",
             1e3 * gap
         );
         findings.add(K::HomeNotClosed, worst, line, text);
@@ -80,7 +81,7 @@ impl Assembly<'_> {
             if let Some([lower, upper]) = self.model.edges[measured.edge].limit.filter(|[a, b]| q < *a || q > *b) {
                 let (name, middle) = (&leg.joint, 0.5 * (lower + upper));
                 let text = format!(
-                    "joint '{name}' stands at {q} m at home, outside its limits {lower} to {upper} m; its middle would be \
+                    "joint '{name}' is at {q} m at home, outside its limits {lower} to {upper} m; mid-travel would be \
                      `--home {name}={middle}`"
                 );
                 findings.add(K::HomeOutsideLimits, name, measured.line, text);

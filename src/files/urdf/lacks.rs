@@ -13,8 +13,7 @@ impl Graph<'_> {
         match (&leg.slides[..], &leg.passive_slides[..]) {
             ([_], []) => None,
             ([], []) => {
-                let text =
-                    format!("the leg of {leg_text} has no prismatic joint; a passive leg has no place in this kind");
+                let text = format!("the leg of {leg_text} has no prismatic joint; this kind has no passive legs");
                 let element = leg.edges.first().map_or(String::new(), |k| edge(*k).name.clone());
                 Some((K::LegWithoutSlide, element, leg.edges.first().and_then(|k| edge(*k).line), text))
             }
@@ -27,7 +26,7 @@ impl Graph<'_> {
             }
             ([], [slide, ..]) => {
                 let text =
-                    format!("joint '{}' is not among the motors that are named; add it to them", edge(*slide).name);
+                    format!("joint '{}' is not among the motors that are listed; add it to them", edge(*slide).name);
                 Some((K::LegWithoutSlide, edge(*slide).name.clone(), edge(*slide).line, text))
             }
             (_, _) => {
@@ -63,8 +62,8 @@ impl Graph<'_> {
     pub(super) fn no_platform(&self, base: usize, findings: &mut Findings) {
         let closed = self.model.edges.iter().any(|e| e.source != Source::Joint);
         if closed {
-            let text = "fewer than 2 of 6 legs join the base with any other body; check the closures, which have to join \
-                        the tips of the legs with the platform";
+            let text = "fewer than 2 of 6 legs connect the base to any other body; check the closures, which have to \
+                        connect the tips of the legs to the platform";
             findings.add(K::TooFewLegs, "", None, text);
             return;
         }

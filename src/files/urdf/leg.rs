@@ -30,7 +30,7 @@ pub(super) struct Measured {
     pub(super) length: f64,
 }
 
-/// What is allowed to be off.
+/// Tolerances of the extraction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Allowed {
     /// m; 1e-4 of the leg if absent.
@@ -59,7 +59,7 @@ pub(super) fn measure(
     let edge = &model.edges[slide];
     let finding = |kind, text: String| Finding { kind, element: edge.name.clone(), line: edge.line, text };
     let Motion::Slide(axis) = edge.motion else {
-        return Err(finding(K::LegWithoutSlide, format!("joint '{}' is no slide", edge.name)));
+        return Err(finding(K::LegWithoutSlide, format!("joint '{}' is not a slide", edge.name)));
     };
     let walk = |side: usize, target: usize, other: usize| end(model, bodies, leg, slide, side, target, other);
     // Either end of the slide may be the one towards the base.
@@ -82,16 +82,15 @@ pub(super) fn measure(
     let between = anchors[1] - anchors[0];
     let length = between.norm();
     if !(length > 1e-9 * (1.0 + rough)) || !length.is_finite() {
-        let text =
-            format!("joint '{}': the anchors of its leg are one point at zero; move the slide's zero", edge.name);
+        let text = format!("joint '{}': the anchors of its leg coincide at zero; move the slide's zero", edge.name);
         return Err(finding(K::EmptyRange, text));
     }
     for (k, (anchor, end)) in anchors.iter().zip(&ends).enumerate() {
         let miss = largest_miss(end, anchor);
         if !(miss <= allowed.distance(length)) {
             let text = format!(
-                "the axes at the {} end of the leg of joint '{}' miss their common point by {:.3} mm, so it is no point \
-                 anchor; correct the origins, or widen the tolerance",
+                "the axes at the {} end of the leg of joint '{}' miss their common point by {:.3} mm, so it is not a \
+                 point anchor; correct the origins, or widen the tolerance",
                 ["base", "platform"][k],
                 edge.name,
                 1e3 * miss

@@ -1,7 +1,7 @@
 //! URDF files of mechanisms with six legs of variable length.
 //!
-//! URDF describes a tree of links and joints; a parallel mechanism has loops. Tools state the missing closures each
-//! in a way of their own, so a file goes through these steps:
+//! URDF describes a tree of links and joints; a parallel mechanism has loops. Each tool states the missing closures in
+//! its own way, so a file goes through these steps:
 //!
 //! 1. [`xml`] reads the text within bounds, [`description`] keeps what matters and checks every number, and
 //!    `urdf-rs` reads the reduced rest: its joints and links are those of [`model`].

@@ -1,8 +1,8 @@
-//! What a caller can say about a URDF file.
+//! Options for reading a URDF file.
 
 use crate::units::Dimension;
 
-/// What a URDF file leaves open, stated by the caller. The default states nothing.
+/// Information that a URDF file lacks, supplied by the caller. The default supplies nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UrdfOptions {
     /// Pairs of links or joints whose frames coincide when the mechanism is assembled.
@@ -24,7 +24,7 @@ pub struct HomeJoint {
     pub joint: String,
     /// Its coordinate, SI.
     pub value: f64,
-    /// What the coordinate measures, if it was stated with a unit; it must fit the joint.
+    /// Dimension of the coordinate, if it was stated with a unit; it must fit the joint.
     pub dimension: Option<Dimension>,
 }
 

@@ -9,12 +9,12 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds::six_hardpoint::KIND;
 use crate::files::outputs::Outputs;
 
-/// What was added to the outputs.
+/// Files that were added to the outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenMechanism {
     /// The side file, if one is written.
     pub side: Option<PathBuf>,
-    /// What could not be kept, and what was chosen.
+    /// Properties that could not be kept, and what was chosen instead.
     pub warnings: Vec<String>,
 }
 
@@ -43,15 +43,15 @@ impl Outputs {
             Ok(()) => {}
             Err(FileError::OverInput { .. }) if !files.side_needed => {
                 written.warnings.push(format!(
-                    "{} is an input and stays as it is, so {robot} stands alone and is read in m and rad",
+                    "{} is an input and is left as it is, so {robot} has no side file and is read in m and rad",
                     side.display()
                 ));
                 return Ok(written);
             }
             Err(FileError::OverInput { .. }) => {
                 return Err(refused(format!(
-                    "it is an input, and what URDF cannot say would stand in it; choose another stem than that of {robot} \
-                     for the output"
+                    "it is an input, and what URDF cannot express would have to go into it; choose a different stem \
+                     from that of {robot} for the output"
                 )));
             }
             Err(error) => return Err(error),
@@ -84,9 +84,9 @@ pub(in crate::files) fn is_urdf(path: &Path) -> bool {
 
 /// Fails with the reason, unless a file is the side file of a URDF that is there.
 fn replaceable(side: &Path, robot: &Path) -> Result<(), String> {
-    let text = std::fs::read_to_string(side).map_err(|cause| format!("it is no text that can be read ({cause})"))?;
+    let text = std::fs::read_to_string(side).map_err(|cause| format!("it cannot be read as text ({cause})"))?;
     let table: toml::Table =
-        toml::from_str(&text).map_err(|e| format!("it is no TOML that can be read ({})", e.message()))?;
+        toml::from_str(&text).map_err(|e| format!("it cannot be read as TOML ({})", e.message()))?;
     if table.contains_key("leg") {
         return Err("it is a mechanism file of its own".into());
     }
@@ -94,13 +94,13 @@ fn replaceable(side: &Path, robot: &Path) -> Result<(), String> {
         return Err(format!("it is a mechanism file of kind '{kind}'"));
     }
     if let Err(e) = toml::from_str::<SideDocument>(&text) {
-        return Err(format!("it is no side file of a URDF ({})", e.message()));
+        return Err(format!("it is not a side file of a URDF ({})", e.message()));
     }
     if let Some(other) = table.get("urdf").and_then(toml::Value::as_str).filter(|o| !names(side, o, robot)) {
         return Err(format!("it belongs to '{other}'"));
     }
     if !robot.is_file() {
-        return Err("no URDF of its stem stands beside it".into());
+        return Err("there is no URDF with its stem next to it".into());
     }
     Ok(())
 }

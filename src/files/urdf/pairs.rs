@@ -26,7 +26,7 @@ impl Pair {
             if link.is_none() {
                 let names = robot.links.iter().map(|l| &l.name).chain(robot.joints.iter().map(|j| &j.name));
                 let hint = did_you_mean(name, names.map(String::as_str));
-                let text = format!("{} names '{name}', which is no link and no joint{hint}", self.source);
+                let text = format!("{} names '{name}', which is neither a link nor a joint{hint}", self.source);
                 findings.add(K::UnknownClosureLink, name, None, text);
             }
             Some(End { link: link?, frame: Some(Frame::identity()) })

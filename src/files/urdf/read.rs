@@ -77,7 +77,7 @@ fn machine(path: &Path, text: &str, options: &ReadOptions, beside: Beside) -> Re
     findings.stop_on_errors().map_err(refused)?;
     let Some(found) = found else {
         let text =
-            "no mechanism was found in it, for no reason that is known; compare it with a file that is read".into();
+            "no mechanism was found in it, for an unknown reason; compare it with a file that can be read".into();
         return Err(refused(vec![Finding {
             kind: FindingKind::NoLoopClosures,
             element: String::new(),

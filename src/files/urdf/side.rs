@@ -63,7 +63,7 @@ pub(super) struct SideDocument {
     sensors: Vec<SensorEntry>,
 }
 
-/// What a side file states of each leg, in its own unit.
+/// Values that a side file states for each leg, in its own unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PerLeg {
     /// True less commanded length.

@@ -26,7 +26,7 @@ pub struct UrdfFiles {
     pub side: String,
     /// True if the side file states more than name and units.
     pub side_needed: bool,
-    /// What could not be kept, and what was chosen.
+    /// Properties that could not be kept, and what was chosen instead.
     pub warnings: Vec<String>,
 }
 
@@ -74,8 +74,8 @@ impl Machine {
         let extra = self.extra_keys(&legs, &mut warnings);
         if self.nominal.is_some() {
             warnings.push(
-                "the nominal geometry of this calibrated file cannot be kept in URDF: commanded poses (cmd_x …) would be \
-                 turned into lengths by the calibrated one; keep the TOML for such data"
+                "the nominal geometry of this calibrated file cannot be kept in URDF: commanded poses (cmd_x …) would \
+                 be converted to lengths with the calibrated one; keep the TOML for such data"
                     .into(),
             );
         }
@@ -110,8 +110,8 @@ impl Machine {
                 _ => format!("legs {} state no stroke", without.join(", ")),
             };
             warnings.push(format!(
-                "{which}; URDF needs limits, so half of the length either way is written, and `strokes` in the side file \
-                 says that there is none"
+                "{which}; URDF needs limits, so half of the length either way is written, and `strokes` in the side \
+                 file says that there are none"
             ));
         }
         text

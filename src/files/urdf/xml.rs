@@ -132,7 +132,7 @@ pub(super) fn parse(text: &str) -> Result<Element, Finding> {
 
 fn unknown_entity(line: usize, name: &str) -> Finding {
     let name: String = name.chars().take(40).collect();
-    bad(FindingKind::Xml, line, format!("entity '&{name};' is not replaced here; write what it stands for"))
+    bad(FindingKind::Xml, line, format!("entity '&{name};' is not expanded here; write what it stands for"))
 }
 
 fn close(element: Element, open: &mut [Element], root: &mut Option<Element>) {
@@ -146,7 +146,7 @@ fn add_text(open: &mut [Element], line: usize, text: &str) -> Result<(), Finding
     match open.last_mut() {
         Some(element) => element.text += text,
         None if text.trim().is_empty() => {}
-        None => return Err(bad(FindingKind::Xml, line, "text outside of the root element; delete it")),
+        None => return Err(bad(FindingKind::Xml, line, "text outside the root element; delete it")),
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! What an identification found.
+//! Results of an identification.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,7 +11,7 @@ use crate::solve::{Convergence, IterationRecord};
 /// One identified parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// What it is.
+    /// Specification of the parameter.
     pub spec: ParameterSpec,
     /// Where the identification started: the value in the mechanism file.
     pub start: f64,

@@ -1,4 +1,4 @@
-//! What the readings miss a model by, as a motion of the platform and in the joints: what people look at.
+//! Deviations of readings from a model, as motions of the platform and as changes of the joints.
 
 use nalgebra::{DMatrix, DVector, Vector6};
 
@@ -9,7 +9,7 @@ use crate::mechanism::{Mechanism, MotionBlock, characteristic_length};
 use crate::pose::Pose;
 use crate::solve::minimum_norm;
 
-/// What one sample misses the model by.
+/// Deviation of one sample from the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
     /// The sample.

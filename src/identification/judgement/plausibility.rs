@@ -16,11 +16,11 @@ pub struct Implausible {
     pub deviation: f64,
     /// Its tolerance, SI.
     pub tolerance: f64,
-    /// What the two measure.
+    /// Dimension of both.
     pub dimension: Dimension,
 }
 
-/// What is convention, and what remains.
+/// Rigid motions and leg offsets, which are convention, and the deviations that remain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plausibility {
     /// Pose of the base in the tracker's frame, the best rigid motion of the base points.

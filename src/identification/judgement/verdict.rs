@@ -10,9 +10,9 @@ use crate::units::{shortened, show_probability};
 pub struct CalibrationVerdict {
     /// True if nothing speaks against it.
     pub trusted: bool,
-    /// What speaks against it, one sentence each.
+    /// Reasons not to trust the result, one sentence each.
     pub reasons: Vec<String>,
-    /// What the user should know although it does not forbid the use.
+    /// Warnings that do not prevent the use of the result.
     pub warnings: Vec<String>,
 }
 
@@ -57,12 +57,12 @@ pub(crate) fn judge(
     let mut warnings = Vec::new();
     if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
         reasons.push(
-            "every row is used up by parameters and no noise is stated, so nothing tells how well anything is known; \
-             state [noise] or measure more samples"
+            "there are no more rows than parameters and no noise is stated, so no uncertainty can be given; state \
+             [noise] or measure more samples"
                 .into(),
         );
     } else if found.misfit.degrees_of_freedom == 0 {
-        warnings.push("every row is used up by parameters, so the fit cannot be checked against the noise".into());
+        warnings.push("there are no more rows than parameters, so the fit cannot be checked against the noise".into());
     }
     let outside: Vec<String> =
         data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();
@@ -71,7 +71,7 @@ pub(crate) fn judge(
     }
     if !found.outliers.is_empty() {
         let rows: Vec<String> = found.outliers.iter().map(DataRow::to_string).collect();
-        warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
+        warnings.push(format!("gross errors in data row {}; they were given little or no weight", shortened(&rows)));
     }
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
 }

@@ -9,11 +9,11 @@ use crate::measurement::Dataset;
 pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
     if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: what is left without them cannot be fitted".into());
+        warnings.push("no errors on held-out rows: the remaining rows cannot be fitted on their own".into());
     }
     if result.registration.applied {
         warnings.push(
-            "the data are in a frame of their own; the calibrated model is in the frames of the measurement \
+            "the data are in their own frame; the calibrated model is in the frames of the measurement \
              (see frames)"
                 .into(),
         );
@@ -24,7 +24,7 @@ pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
         let (unit, per_si) = worst.dimension.in_tables();
         warnings.push(format!(
             "{} of the parameters deviate by more than 4 tolerances, most of all {} ({:+.3} {unit}); \
-             a small residual with such values means that another cause hides in them",
+             a small residual with such values means that they absorb another cause",
             implausible.len(),
             worst.name,
             per_si * worst.deviation

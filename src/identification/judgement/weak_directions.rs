@@ -1,4 +1,4 @@
-//! What the data decide, and in words what they do not.
+//! Directions that the data do not determine, described in words.
 //!
 //! The whitened Jacobian of the data, with each column multiplied by the tolerance of its parameter and the
 //! measurement's own parameters projected out, has one singular value for each direction of the parameters:
@@ -36,7 +36,7 @@ const UNSEEN: f64 = 1e-9;
 pub struct WeakDirection {
     /// Tolerance along the direction over the σ from the data alone; 0 if the data say nothing.
     pub sigma: f64,
-    /// What it is, in words.
+    /// Description in words.
     pub text: String,
 }
 
@@ -141,8 +141,8 @@ fn describe(mechanism: &dyn Mechanism, patterns: &[Pattern], direction: &DVector
         return format!("{} ({:.0} %)", pattern.name, 100.0 * part);
     }
     for (family, sentence) in [
-        (Family::Slide, "points slide along their leg, its length following"),
-        (Family::Together, "both points of a leg shift alike"),
+        (Family::Slide, "points slide along their leg, and its length follows"),
+        (Family::Together, "both points of a leg shift together"),
     ] {
         let members = || shares.iter().filter(|(_, p)| p.family == family);
         let together: f64 = members().map(|(part, _)| part).sum();
@@ -167,16 +167,16 @@ fn patterns(mechanism: &dyn Mechanism, scale: &[f64]) -> Vec<Pattern> {
     let (c, home) = (mechanism.values(), mechanism.home());
     let mut found = Vec::new();
     for (body, label, effect) in
-        [(Body::Platform, "platform", "an attitude offset"), (Body::Base, "base", "a turn of the tracker")]
+        [(Body::Platform, "platform", "an attitude offset"), (Body::Base, "base", "a rotation of the tracker")]
     {
         let rigid = rigid_directions(mechanism, body, scale);
         for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-            let turn = format!("all {label} points turn together about {name}, {effect}");
+            let turn = format!("all {label} points rotate together about {name}, {effect}");
             let shift = format!("all {label} points shift together along {name}");
             found.extend(pattern(turn, Family::Rigid, &rigid[axis + 3..=axis + 3]));
             found.extend(pattern(shift, Family::Rigid, &rigid[axis..=axis]));
         }
-        found.extend(pattern(format!("all {label} points turn together, {effect}"), Family::Rigid, &rigid[3..]));
+        found.extend(pattern(format!("all {label} points rotate together, {effect}"), Family::Rigid, &rigid[3..]));
     }
     let platform = Body::Platform.points(mechanism, c);
     let base = Body::Base.points(mechanism, c);

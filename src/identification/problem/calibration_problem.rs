@@ -168,7 +168,7 @@ impl<'a> CalibrationProblem<'a> {
         self.kinds.iter().map(next).collect()
     }
 
-    /// What each data row measures.
+    /// Kind of each data row.
     pub fn row_kinds(&self) -> Vec<RowKind> {
         self.kinds.iter().flatten().copied().collect()
     }

@@ -20,7 +20,8 @@ pub enum PriorPolicy {
     None,
 }
 
-/// What is known of the parameters of the mechanism beside the data, as further rows `M (x - x₀)` of unit variance.
+/// Knowledge about the parameters of the mechanism in addition to the data, as further rows `M (x - x₀)` of unit
+/// variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
     /// Start of each parameter of the mechanism.
@@ -142,7 +143,7 @@ impl Prior {
         Self { centre: mechanism.values().to_vec(), rows, held: None }
     }
 
-    /// The same for a mechanism with further parameters, of which nothing is known.
+    /// This prior for a mechanism with `count` further parameters, about which nothing is known.
     #[must_use]
     pub fn for_more_parameters(&self, count: usize) -> Self {
         let rows = self.rows.clone().resize_horizontally(count, 0.0);

@@ -1,4 +1,4 @@
-//! What more than six closure equations say beside the pose.
+//! Information from more than six closure equations in addition to the pose.
 //!
 //! The pose of `m > 6` equations is that of least squares, and `m - 6` combinations of the closure residual remain:
 //! `Nᵀ f` with `N` orthogonal to the columns of `J₁`. With exact joints they would be zero; with joint readings of

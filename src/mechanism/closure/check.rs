@@ -1,4 +1,4 @@
-//! What can be wrong with a closure and its outline before anything is solved.
+//! Checks of a closure and its outline before anything is solved.
 
 use super::evaluation::{Place, Wanted, derivatives};
 use super::pattern::Pattern;
@@ -31,12 +31,12 @@ pub(super) fn check_outline(outline: &Outline, all: &[f64], free: &[usize]) -> R
             return wrong(format!("two parameters are called {}", spec.name));
         }
         if !all[k].is_finite() {
-            return wrong(format!("{} is {}; a mechanism needs a number", spec.name, all[k]));
+            return wrong(format!("{} is {}; every value of a mechanism must be a number", spec.name, all[k]));
         }
     }
     let numbers = outline.home_joints.iter().chain(&outline.passive);
     if !outline.home.is_finite() || numbers.clone().any(|v| !v.is_finite()) {
-        return wrong("home is not made of finite numbers".into());
+        return wrong("home contains a number that is not finite".into());
     }
     Ok(())
 }

@@ -60,7 +60,7 @@ impl<C: Closure> ClosureMechanism<C> {
         Self::make(closure, outline, nominal, all, None)
     }
 
-    /// The same mechanism of which only some parameters are identified; the others keep their values.
+    /// This mechanism with only some parameters identified; the others keep their values.
     ///
     /// # Errors
     /// [`GeometryError::Outline`] if no parameter is left.
@@ -246,7 +246,7 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
         }
         if let Some(k) = c.iter().position(|v| !v.is_finite()) {
             return Err(GeometryError::Outline(format!(
-                "{} is {}; a mechanism needs a number",
+                "{} is {}; every value of a mechanism must be a number",
                 self.specs[k].name, c[k]
             )));
         }

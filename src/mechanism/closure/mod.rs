@@ -1,7 +1,7 @@
 //! Mechanisms from one function: the closure residual `g(q, h, C)`.
 //!
-//! Whoever can write down how the loops of a machine close has a [`Mechanism`](super::Mechanism). [`Closure`] asks for
-//! that one function, written once for any scalar; [`ClosureMechanism`] evaluates it with dual numbers and gets
+//! If you can write down how the loops of a machine close, you have a [`Mechanism`](super::Mechanism). [`Closure`] asks
+//! for that one function, written once for any scalar; [`ClosureMechanism`] evaluates it with dual numbers and gets
 //!
 //! | from | by |
 //! |---|---|
@@ -120,7 +120,7 @@ pub fn along<T: Real>(v: &Vector3<T>, constant: &Vector3<f64>) -> T {
     v.x * constant.x + v.y * constant.y + v.z * constant.z
 }
 
-/// What a row of the closure may depend on beside the pose and the passive coordinates.
+/// A quantity that a row of the closure may depend on, in addition to the pose and the passive coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// A parameter, by its place in the [`Outline`].

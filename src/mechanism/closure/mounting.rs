@@ -22,7 +22,7 @@ impl Mounting {
         self.base.compose(pose).compose(&self.target)
     }
 
-    /// The same mechanism seen from yet another frame.
+    /// This mounting within another frame.
     pub(super) fn within(&self, base: &Pose, target: &Pose) -> Self {
         Self { base: base.compose(&self.base), target: self.target.compose(target) }
     }

@@ -1,4 +1,4 @@
-//! What a closure-defined mechanism is made of, beside its closure.
+//! Description of a closure-defined mechanism, apart from its closure.
 
 use crate::mechanism::{Axis, JointSpec, ParameterRole, ParameterSpec};
 use crate::pose::Pose;
@@ -7,7 +7,7 @@ use crate::units::Dimension;
 /// Parameters, joints, home and number of equations of a [`Closure`](super::Closure).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// What people call the mechanism.
+    /// Display name of the mechanism.
     pub name: String,
     /// Number of closure equations, passive ones included: at least six more than passive coordinates.
     pub equations: usize,

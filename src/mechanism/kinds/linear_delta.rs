@@ -74,7 +74,7 @@ impl LinearDelta {
             };
             if (rails[first].1 - rails[second].1).norm() > 1e-9 || rods[first].stroke != rods[second].stroke {
                 return Err(GeometryError::Outline(format!(
-                    "legs {} and {} are on one carriage but state different rails or strokes",
+                    "legs {} and {} are on the same carriage but state different rails or strokes",
                     first + 1,
                     second + 1
                 )));

@@ -46,7 +46,7 @@ fn unit(leg: usize, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>, Geomet
     match v.try_normalize(1e-12) {
         Some(unit) if unit.iter().all(|x| x.is_finite()) => Ok(unit),
         _ => Err(GeometryError::Outline(format!(
-            "leg {}: `{what}` [{}, {}, {}] is no direction",
+            "leg {}: `{what}` [{}, {}, {}] is not a direction",
             leg + 1,
             v.x,
             v.y,

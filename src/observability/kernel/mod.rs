@@ -3,7 +3,7 @@
 //! Adding a pose with the block `J` (6 × L) to a set with information `M` multiplies the determinant by
 //! `det(I + J M⁻¹ Jᵀ)`, and everything else that an index needs is likewise a function of a 6 × 6 matrix. A block is
 //! kept as `J = K U`, where `K⁻¹ K⁻ᵀ = P` (6 × 6) is the covariance of the closure residual and `U` its derivatives
-//! along the parameters, because in a mechanism of six legs row `i` of `U` knows only the seven parameters of leg
+//! along the parameters, because in a mechanism with six legs row `i` of `U` involves only the seven parameters of leg
 //! `i`. With `S(A) = U A Uᵀ`
 //!
 //! | index | adding (+) or removing (−) a pose | scan |
@@ -15,10 +15,10 @@
 //! | the bound | `tr(Φ JᵀJ) = tr[P⁻¹ S(Φ)]` | [`gradient`] |
 //!
 //! Candidates lie in batches of [`LANES`], each number of a batch as one row of lanes, so that one instruction works
-//! on many of them; `pulp` chooses the instruction set when the program runs. [`legs`] is the layout of six legs,
-//! [`dense`] serves every other mechanism (there `P = I`, `U = J`). Every candidate is
-//! scored in a lane of its own, so that the best one is the same in any batch and on any thread; how far [`extremes`]
-//! evaluates the others depends on what it saw before.
+//! on many of them; `pulp` selects the instruction set at run time. [`legs`] is the layout of six legs,
+//! [`dense`] serves every other mechanism (there `P = I`, `U = J`). Every candidate is scored in its own lane, so that
+//! the best one does not depend on the batch or the thread; how far [`extremes`] evaluates the others depends on the
+//! candidates before them.
 
 mod dense;
 mod determinant;

@@ -9,7 +9,7 @@ use super::kernel::{Dense, LANES, Lanes, Legs, PER_LEG, SLOTS, gradient};
 use super::rows::{at_least_square, stacked};
 use structure::{Groups, groups_of, row_scales, visible_directions};
 
-/// What one pose would tell, as a factored block `J = P^-½ U` with rows and columns scaled.
+/// The information from one pose, as a factored block `J = P^-½ U` with rows and columns scaled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     /// `P` (6 × 6): covariance of the closure residual, `J₁ Σ_q J₁ᵀ + Jⱼ Σⱼ Jⱼᵀ`, or the identity if the rows of `U`

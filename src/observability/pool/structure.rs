@@ -1,4 +1,5 @@
-//! What the blocks of a mechanism have in common: which rows know which parameters, and which directions none sees.
+//! Common structure of the blocks of a mechanism: which rows involve which parameters, and which directions no row
+//! determines.
 
 use nalgebra::{Cholesky, DMatrix, Matrix6};
 

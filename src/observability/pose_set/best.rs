@@ -19,7 +19,7 @@ pub(super) fn best_of(scores: impl IntoIterator<Item = f64>) -> Option<Best> {
     scores.into_iter().enumerate().fold(None, better_of)
 }
 
-/// The same among open candidates, batch by batch: most hold nothing above the best of those before.
+/// The best of the open candidates, batch by batch: most batches hold nothing above the best so far.
 pub(super) fn best_open(scores: &[Lanes], open: &[Lanes]) -> Option<Best> {
     let mut best: Option<Best> = None;
     for (batch, (scores, open)) in scores.iter().zip(open).enumerate() {

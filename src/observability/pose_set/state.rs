@@ -1,4 +1,4 @@
-//! What is known of the present members of a set, and how it is kept up to date.
+//! State of a set for its current members, and its updates.
 
 use nalgebra::{Cholesky, DMatrix};
 
@@ -20,7 +20,7 @@ const RIDGES: usize = 40;
 /// Ratio of pivots from which on a set determines nothing.
 pub(super) const SINGULAR: f64 = 1e-14;
 
-/// What is known of the present members.
+/// State of a set for its current members.
 pub(super) enum State {
     Stale,
     Determinant { information: DMatrix<f64>, inverse: DMatrix<f64>, ridged: bool, updates: usize },

@@ -10,7 +10,7 @@ const SWATCH: f64 = 28.0;
 const GAP: f64 = 7.0;
 const BETWEEN: f64 = 20.0;
 
-/// What a swatch shows of a shape.
+/// How a swatch represents a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
     Band,

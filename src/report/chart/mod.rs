@@ -16,7 +16,7 @@
 //!   points, hollow ones only tell lines apart.
 //! * **Any data gives a picture.**  Values that cannot be drawn (not finite, beyond 1e300, not positive on a log axis)
 //!   are left out and interrupt a line; empty, constant or single data get a sensible range around them.
-//! * **The same input gives the same bytes.**  There is no randomness, no clock and no hash map.
+//! * **Output is deterministic to the byte.**  There is no randomness, no clock and no hash map.
 //! * **Several pictures live on one page.**  All ids and class names carry a prefix.
 
 mod axis;
@@ -87,7 +87,7 @@ impl Figure {
     }
 }
 
-/// What a page with pictures of [`Figure::html_with_id`] needs in its style. The widths are those from which on the texts
+/// Style sheet for pages with figures from [`Figure::html_with_id`]. The widths are those from which on the texts
 /// of a picture, which shrinks with the page, have nine pixels or more.
 pub const PAGE_STYLE: &str = "\
 .whole{display:none}.panels{display:flex;flex-wrap:wrap;gap:.5rem 1rem}.panels>p{flex:1 0 100%;margin:0}
@@ -107,7 +107,7 @@ pub struct Panel {
     pub y: Axis,
     /// A second y axis, on the right.
     pub right: Option<Axis>,
-    /// What is drawn.
+    /// Series to draw.
     pub series: Vec<Series>,
     /// Labelled reference lines.
     pub rules: Vec<Rule>,

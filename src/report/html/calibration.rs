@@ -9,9 +9,9 @@ use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
 use crate::units::{shortened, show_angle, show_length};
 
-/// What to do with a calibration that can be trusted.
-const NEXT: &str = "command with the calibrated file (`paracal compensate`), and ask `paracal diagnose` what the data still hold \
-                    that is not geometry.";
+/// Advice for a calibration that can be trusted.
+const NEXT: &str = "compute commands with the calibrated file (`paracal compensate`), and run `paracal diagnose` to \
+                    find errors in the data that geometry does not explain.";
 
 /// A calibration; `measured` holds the data through the calibrated mechanism, then through the one that was given.
 pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
@@ -28,19 +28,19 @@ pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'
     marked.sort_unstable();
     marked.dedup();
     let errors = measured.pictures(subject, &marked);
-    let mut sections = vec![Section { id: "errors", title: "Where it was wrong, and what is left", parts: errors }];
+    let mut sections = vec![Section { id: "errors", title: "Errors before and after calibration", parts: errors }];
     if let Some(calibrated) = measured.models.first() {
         let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
         let strips = strips(measured.data, subject, &layers, &marked, &[]);
         let parts = strips.into_iter().map(Part::picture).collect();
-        sections.push(Section { id: "legs", title: "What is left, leg by leg", parts });
+        sections.push(Section { id: "legs", title: "Residuals, leg by leg", parts });
     }
     let mut parameters: Vec<Part> =
         deviations(&c.parameters[..found.mechanism_parameters]).into_iter().map(Part::picture).collect();
     parameters.push(match c.weak.is_empty() {
-        true => Part::Text("The data decide all directions of the parameters.".into()),
+        true => Part::Text("The data determine all parameter directions.".into()),
         false => Part::Table(
-            vec!["direction that the data do not decide", "tolerance over its uncertainty"],
+            vec!["direction that the data do not determine", "tolerance over its uncertainty"],
             c.weak.iter().map(|w| vec![w.text.clone(), format!("{:.2}", w.sigma)]).collect(),
         ),
     });
@@ -72,15 +72,15 @@ fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[DataRow]) -> Ve
     let (after, before) = (rms(0), rms(1));
     let rows: Vec<String> = marked.iter().map(DataRow::to_string).collect();
     let numbers = [
-        ("position error, as it was given", before.position.map(show_length)),
+        ("position error, as given", before.position.map(show_length)),
         ("position error, calibrated", after.position.map(show_length)),
-        ("the same on rows not fitted", held_out.position.map(show_length)),
-        ("position error predicted in the workspace", c.predicted.map(|p| show_length(p.position_rms))),
-        ("angle error, as it was given", before.rotation.map(show_angle)),
+        ("position error, held-out rows", held_out.position.map(show_length)),
+        ("position error, predicted for the workspace", c.predicted.map(|p| show_length(p.position_rms))),
+        ("angle error, as given", before.rotation.map(show_angle)),
         ("angle error, calibrated", after.rotation.map(show_angle)),
-        ("the same on rows not fitted", held_out.rotation.map(show_angle)),
-        ("angle error predicted in the workspace", c.predicted.map(|p| show_angle(p.rotation_rms))),
-        ("rows that look like gross errors, left out of these numbers", (!rows.is_empty()).then(|| shortened(&rows))),
+        ("angle error, held-out rows", held_out.rotation.map(show_angle)),
+        ("angle error, predicted for the workspace", c.predicted.map(|p| show_angle(p.rotation_rms))),
+        ("rows that look like gross errors, excluded from these numbers", (!rows.is_empty()).then(|| shortened(&rows))),
     ];
     known(numbers)
 }
@@ -104,7 +104,7 @@ fn convergence(c: &Calibration) -> Figure {
     };
     Figure {
         title: "Convergence".into(),
-        description: "Sum of squares and largest step after each iteration, on logarithmic axes.".into(),
+        description: "Half the sum of squares and largest step after each iteration, on logarithmic axes.".into(),
         columns: 2,
         panels: vec![panel("half the sum of squares", costs), panel("largest step (1e-3 SI)", steps)],
     }

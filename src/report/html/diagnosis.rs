@@ -27,7 +27,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     }
     let mut sections = Vec::new();
     if !d.causes.is_empty() && (d.gain.position_before.is_some() || d.gain.rotation_before.is_some()) {
-        sections.push(Section { id: "gain", title: "What is gained", parts: vec![Part::picture(gain(d))] });
+        sections.push(Section { id: "gain", title: "Improvement", parts: vec![Part::picture(gain(d))] });
     }
     if !d.causes.is_empty() {
         let mut parts = vec![
@@ -50,14 +50,14 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         }
     }
     if !d.residuals.is_empty() {
-        sections.push(Section { id: "legs", title: "What is left, leg by leg", parts: legs(d, subject, data) });
+        sections.push(Section { id: "legs", title: "Residuals, leg by leg", parts: legs(d, subject, data) });
     }
     if !d.not_found.is_empty() {
         let row = |n: &crate::diagnosis::NotFound| {
             vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)]
         };
         let rows = d.not_found.iter().map(row).collect();
-        let header = vec!["looked for and not found", "parameter", "would have been seen from"];
+        let header = vec!["tested and not found", "parameter", "detectable from"];
         sections.push(Section { id: "limits", title: "Detection limits", parts: vec![Part::Table(header, rows)] });
     }
     if !d.not_testable.is_empty() {
@@ -78,10 +78,10 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     }
 }
 
-/// What to do where something is left without a name.
+/// Advice if part of the residual has no named cause.
 fn what_of_unknown(d: &Diagnosis) -> String {
     let Some((unknown, covariate)) = d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) else {
-        return "What to do: record more of what may have changed and measure again.".into();
+        return "What to do: record more of the conditions that may have changed, and measure again.".into();
     };
     let leg = unknown.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
     let other = unknown.runner_up.as_ref();
@@ -92,11 +92,11 @@ fn what_of_unknown(d: &Diagnosis) -> String {
 fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
     let (g, named) = (&d.gain, !d.causes.is_empty());
     let rows = [
-        ("position error on rows not fitted, parameters alone", g.position_before.map(show_length)),
-        ("the same with the causes", g.position_after.filter(|_| named).map(show_length)),
-        ("angle error on rows not fitted, parameters alone", g.rotation_before.map(show_angle)),
-        ("the same with the causes", g.rotation_after.filter(|_| named).map(show_angle)),
-        ("noise over the stated one", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
+        ("position error on held-out rows, parameters alone", g.position_before.map(show_length)),
+        ("position error on held-out rows, with the causes", g.position_after.filter(|_| named).map(show_length)),
+        ("angle error on held-out rows, parameters alone", g.rotation_before.map(show_angle)),
+        ("angle error on held-out rows, with the causes", g.rotation_after.filter(|_| named).map(show_angle)),
+        ("noise relative to the stated noise", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
     ];
     known(rows)
 }
@@ -119,7 +119,7 @@ fn legs(d: &Diagnosis, subject: &Subject<'_>, data: &Dataset) -> Vec<Part> {
 }
 
 const RIVALS: [&str; 5] =
-    ["named", "also possible", "values it would have", "behind, nats", "separability, 10 is needed"];
+    ["named", "also possible", "values it would have", "nats behind", "separability, 10 is needed"];
 
 fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
     let row = |r: &Rival| {
@@ -140,7 +140,16 @@ fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
     c.tied_with.iter().map(row).collect()
 }
 
-const CAUSES: [&str; 7] = ["cause", "leg", "parameters", "evidence, nats", "p", "over its limit", "not excluded"];
+const CAUSES: [&str; 7] = [
+    "cause",
+    "leg",
+    "parameters",
+    "evidence, nats",
+    "p",
+    "relative to its limit",
+    "not \
+                            excluded",
+];
 
 fn cause_row(c: &Cause) -> Vec<String> {
     let values = c.parameters.iter().map(|p| {

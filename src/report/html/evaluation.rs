@@ -30,8 +30,8 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
         tone: if subject.warnings.is_empty() { Tone::Good } else { Tone::Mind },
         numbers: known(numbers),
         lead: subject.lead(vec![
-            "Nothing was fitted: the model predicts each row, and the page shows by how much it misses. What to do if that is \
-             too much: `paracal calibrate` finds parameters, `paracal diagnose` causes."
+            "Nothing was fitted: the model predicts each row, and this page shows how far off it is. What to do if \
+             that is too much: `paracal calibrate` identifies parameters, `paracal diagnose` looks for causes."
                 .into(),
         ]),
         sections: vec![

@@ -1,9 +1,9 @@
-//! Results as a page that people look at: one self-contained file, without scripts and without anything from elsewhere.
+//! Results as an HTML page: one self-contained file, without scripts and without external resources.
 //!
-//! A [`Page`] begins with the verdict in one sentence, the few numbers that matter and what to do; then it shows pictures
-//! and tables, and ends with what repeats it. It reads on a dark screen, on a telephone and on paper. [`calibration`],
-//! [`diagnosis`], [`evaluation`] and [`selection`] make the pages of these commands; the pictures they are made of are in
-//! `pictures`.
+//! A [`Page`] begins with the verdict in one sentence, the few numbers that matter and what to do; then it shows charts
+//! and tables, and ends with what is needed to repeat it. It is readable on dark screens, phones and paper.
+//! [`calibration`], [`diagnosis`], [`evaluation`] and [`selection`] make the pages of these commands; their charts are
+//! in `pictures`.
 
 mod calibration;
 mod diagnosis;
@@ -29,7 +29,7 @@ use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
-/// What a page is about.
+/// The subject of a page.
 #[derive(Clone, Debug)]
 pub struct Subject<'a> {
     /// The mechanism of the drawing: calibrated if it was calibrated.
@@ -40,9 +40,9 @@ pub struct Subject<'a> {
     pub condition_kinds: &'a ConditionTable,
     /// Stated noise of one component of a position and of one angle, m and rad.
     pub noise: Option<[f64; 2]>,
-    /// What the command warned of.
+    /// Warnings of the command.
     pub warnings: Vec<String>,
-    /// What repeats the command, by name.
+    /// Everything needed to repeat the command, by name.
     pub settings: Vec<(String, String)>,
 }
 
@@ -89,7 +89,7 @@ impl Measured<'_> {
     }
 }
 
-/// What a page of measured data is about.
+/// The measured data of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// The samples.

@@ -43,7 +43,7 @@ pub enum Tone {
 /// A page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
-    /// What it is about.
+    /// Title of the page.
     pub title: String,
     /// The result in one sentence.
     pub verdict: String,
@@ -51,11 +51,11 @@ pub struct Page {
     pub tone: Tone,
     /// The few numbers that matter: name, value.
     pub numbers: Vec<(String, String)>,
-    /// What to know and to do, a paragraph each.
+    /// Main messages and advice, one paragraph each.
     pub lead: Vec<String>,
-    /// What is shown.
+    /// Sections, in order.
     pub sections: Vec<Section>,
-    /// What repeats it, by name.
+    /// Everything needed to repeat the run, by name.
     pub settings: Vec<(String, String)>,
 }
 
@@ -71,7 +71,7 @@ pub struct Section {
     pub id: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// What it shows.
+    /// Contents, in order.
     pub parts: Vec<Part>,
 }
 
@@ -154,7 +154,7 @@ impl Page {
                 }
             }
             section id="settings" {
-                h2 { "What repeats it" }
+                h2 { "How to repeat it" }
                 dl {
                     @for (name, value) in &self.settings { dt { (name) } dd { (value) } }
                     dt { "paracal" } dd { (env!("CARGO_PKG_VERSION")) }

@@ -21,15 +21,19 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
     let sure = match &efficiency {
         Some(e) => {
             let n = r.poses.len();
-            format!("they are certified to reach {e} of the best {} that {n} of these candidates could have", r.index)
+            format!(
+                "their {0} is certified to reach {e} of the best that any {n} of these candidates could \
+                     reach",
+                r.index
+            )
         }
-        None => format!("no bound is known for {}, so how much better another set could be is not known", r.index),
+        None => format!("no bound is known for {}, so it is not known how much better another set could be", r.index),
     };
     let mut poses = vec![Part::picture(coverage(r, s.given, subject.convention))];
     poses.extend(drawing(subject.mechanism, &r.poses, None, &[]).map(Part::drawing));
     let mut sections = vec![
         Section { id: "poses", title: "The poses", parts: poses },
-        Section { id: "choice", title: "How the choice came about", parts: vec![Part::picture(trace(r))] },
+        Section { id: "choice", title: "How the search converged", parts: vec![Part::picture(trace(r))] },
     ];
     if !s.table.is_empty() {
         let rows = s.table.iter().map(text::number_row).collect();

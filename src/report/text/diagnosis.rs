@@ -34,7 +34,7 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
     }
     if let Some(rho) = d.correlation {
         text += &format!(
-            "\neach row repeats part of the one before (correlation {rho:.2}); tests count {:.0} % of the rows\n",
+            "\nsuccessive rows are correlated ({rho:.2}); tests count {:.0} % of the rows as independent\n",
             100.0 * (1.0 - rho) / (1.0 + rho)
         );
     }
@@ -73,22 +73,21 @@ pub fn verdict(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::Clean => match understated(d) {
             Some(times) => format!(
-                "CLEAN: what the model leaves is consistent with noise, but with {} times the stated one: either that is \
+                "CLEAN: the residuals are consistent with noise, but with {} times the stated noise: either that is \
                  understated, or something changes that was not recorded.",
                 three_digits(times)
             ),
-            None => "CLEAN: what the model leaves is consistent with noise.".into(),
+            None => "CLEAN: the residuals are consistent with noise.".into(),
         },
         Verdict::Named => format!("NAMED: {names}."),
         Verdict::Tied => {
-            let rivals: Vec<&str> =
-                d.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.as_str()).collect();
+            let rivals: Vec<&str> = d.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.as_str()).collect();
             format!("TIED: {names}, but these data do not exclude {}.", rivals.join(", "))
         }
         Verdict::Unknown => {
             let what = d.unknown.as_ref().map_or_else(String::new, |u| where_it_is(d, u));
-            let beside = if names.is_empty() { String::new() } else { format!(" beside {names}") };
-            format!("UNKNOWN{beside}: something that no name explains{what}.")
+            let beside = if names.is_empty() { String::new() } else { format!(" in addition to {names}") };
+            format!("UNKNOWN{beside}: no effect in the catalogue explains the remaining error{what}.")
         }
         Verdict::Misread => d.misread.as_ref().map_or_else(String::new, |m| {
             let rivals = match m.tied_with.is_empty() {
@@ -96,8 +95,8 @@ pub fn verdict(d: &Diagnosis) -> String {
                 false => format!("\nJust as likely: {}.", m.tied_with.join("; ")),
             };
             format!(
-                "MISREAD ({}): {}.\nRead that way the data fit {} times better. Nothing was fitted; correct the file and try \
-                 again.{rivals}",
+                "MISREAD ({}): {}.\nRead that way, the data fit {} times better. Nothing was fitted; correct the file \
+                 and try again.{rivals}",
                 m.reading,
                 m.detail,
                 three_digits(m.factor)
@@ -110,19 +109,19 @@ fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
     let leg = at_leg(d, u.leg);
     match (&u.covariate, u.test) {
         (Some(covariate), UnknownTest::Patchwork) => {
-            format!(", changes with {covariate}, and the names above only trace it")
+            format!(", which changes with {covariate}; the causes above only mimic it")
         }
-        (Some(covariate), _) => format!(", depends on {covariate}{leg}"),
+        (Some(covariate), _) => format!(", which depends on {covariate}{leg}"),
         (None, UnknownTest::Misfit) => {
             ", because the data do not fit the mechanism at all: check the file and the mechanism".into()
         }
-        (None, UnknownTest::Scatter) => format!(", scatters{leg} and depends on nothing that was recorded"),
-        (None, _) => ", larger than the stated noise".into(),
+        (None, UnknownTest::Scatter) => format!(", which scatters{leg} and depends on nothing that was recorded"),
+        (None, _) => ", which exceeds the stated noise".into(),
     }
 }
 
 fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
-    let mut text = format!("unknown{} (p {}", where_it_is(d, u), show_probability(u.p_value));
+    let mut text = format!("unknown error{} (p {}", where_it_is(d, u), show_probability(u.p_value));
     if let Some(period) = u.period {
         text += &format!(", repeats every {} in SI units", three_digits(period));
     }
@@ -131,7 +130,7 @@ fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
         text += &format!("  {other} explains nearly as much\n");
     }
     if !u.withdrawn.is_empty() {
-        text += &format!("  it explains more than {} together, which are withdrawn\n", u.withdrawn.join(" and "));
+        text += &format!("  it explains more than {} together, so these are withdrawn\n", u.withdrawn.join(" and "));
     }
     text
 }
@@ -160,7 +159,7 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
         if c.tentative { " (tentative)" } else { "" },
         show_probability(c.p_value),
         three_digits(c.evidence),
-        if c.plausible { "" } else { "; the value is far from what is usual" },
+        if c.plausible { "" } else { "; the value is far outside the usual range" },
     );
     for r in &c.tied_with {
         text += &format!(
@@ -171,7 +170,7 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
         );
     }
     if c.acts_on == ActsOn::Measurement {
-        text += "  it moves the readings and not the platform\n";
+        text += "  it affects the readings, not the platform\n";
     }
     text + &format!("  what to do: {}\n", c.remedy)
 }
@@ -194,9 +193,15 @@ fn errors_text(d: &Diagnosis) -> String {
     let mut text = table(&["rms of vector lengths", "position", "rotation"], &rows);
     if let (true, Some(before), Some(after)) = (named, g.position_before, g.position_after) {
         let turned = g.rotation_before.zip(g.rotation_after);
-        let turned = turned.map_or_else(String::new, |(b, a)| format!(" and {} of rotation", show_angle(b - a)));
+        let turned = turned.map_or_else(String::new, |(b, a)| {
+            format!(
+                " and the rotation error by \
+                                                                       {}",
+                show_angle(b - a)
+            )
+        });
         text += &format!(
-            "on rows that were not fitted the causes take away {} of position{turned}\n",
+            "on held-out rows, modelling the causes reduces the position error by {}{turned}\n",
             show_length(before - after)
         );
     }
@@ -206,7 +211,7 @@ fn errors_text(d: &Diagnosis) -> String {
 fn lists(d: &Diagnosis) -> String {
     let mut text = String::new();
     if !d.not_found.is_empty() {
-        text += "\nlooked for and not found; this size would have been seen with 95 % probability:\n";
+        text += "\ntested and not found; an effect of this size would have been detected with 95 % probability:\n";
         text += &limit_table(&d.not_found);
     }
     if !d.not_testable.is_empty() {

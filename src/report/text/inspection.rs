@@ -1,4 +1,4 @@
-//! What `inspect` prints.
+//! Text output of `inspect`.
 
 use nalgebra::Vector3;
 
@@ -9,7 +9,7 @@ use crate::pose::PoseConvention;
 use crate::selection::Preview;
 use crate::units::{Dimension, fixed, show_angle, show_length, show_quantity, three_digits};
 
-/// What `inspect` found.
+/// Results of `inspect`.
 pub struct Inspection<'a> {
     /// The mechanism.
     pub mechanism: &'a dyn Mechanism,
@@ -29,11 +29,11 @@ pub struct Inspection<'a> {
     pub home_condition: f64,
     /// Extremes over the workspace.
     pub survey: Option<Survey>,
-    /// What 20 poses could tell.
+    /// Information that 20 well-chosen poses would give.
     pub preview: Option<Preview>,
-    /// Directions that they would not decide.
+    /// Directions that these poses would not determine.
     pub weak: Vec<WeakDirection>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -45,7 +45,7 @@ impl Inspection<'_> {
     }
 }
 
-/// What `inspect` prints.
+/// Text output of `inspect`.
 pub fn inspection(i: &Inspection<'_>) -> String {
     let mm = |v: f64| fixed(1e3 * v, 3);
     let point = |points: &[(usize, Vector3<f64>)], k: usize| {
@@ -96,7 +96,7 @@ pub fn inspection(i: &Inspection<'_>) -> String {
         fixed(q[5].to_degrees(), 5)
     );
     text += &format!(
-        "Condition of the mechanism (angles times the radius, {}): {:.2} at home",
+        "Condition number of the mechanism (angles times the platform radius, {}): {:.2} at home",
         show_length(i.radius),
         i.home_condition
     );
@@ -116,7 +116,7 @@ pub fn inspection(i: &Inspection<'_>) -> String {
 fn preview(mechanism: &dyn Mechanism, p: &Preview, weak: &[WeakDirection]) -> String {
     let f = &p.forecast;
     let total = mechanism.parameters().len();
-    let mut text = format!("\nWhat {} well chosen poses of the workspace could tell:\n", p.poses.len());
+    let mut text = format!("\nWhat {} well-chosen poses in the workspace would determine:\n", p.poses.len());
     text += &format!("  {} of {total} parameter directions", total - weak.len());
     text += &format!(
         ", parameters to {} (RMS sigma{})\n",
@@ -127,7 +127,7 @@ fn preview(mechanism: &dyn Mechanism, p: &Preview, weak: &[WeakDirection]) -> St
     text +=
         &format!("  poses in the workspace to {} and {}\n", show_length(e.position_rms), show_angle(e.rotation_rms));
     for w in weak.iter().take(SHOWN) {
-        text += &format!("  not decided ({}): {}\n", three_digits(w.sigma), w.text);
+        text += &format!("  not determined ({}): {}\n", three_digits(w.sigma), w.text);
     }
     if weak.len() > SHOWN {
         text += &format!("  and {} more\n", weak.len() - SHOWN);

@@ -15,7 +15,7 @@ pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settleme
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};
 
-/// What to do with a calibration that must not be trusted.
+/// Advice for a calibration that must not be trusted.
 pub(in crate::report) const WHAT_IS_WRONG: &str =
     "run `paracal diagnose` on the same two files: it names what the model or the file gets wrong.";
 
@@ -125,7 +125,7 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
     format!("Deviation from the file and its 1 sigma (~){unit}\n{}", table(&header, &rows))
 }
 
-/// What `calibrate` prints; the last line is the result in one sentence.
+/// Text output of `calibrate`; the last line is the result in one sentence.
 pub fn calibration(c: &Calibration) -> String {
     let found = &c.identification;
     let n = found.mechanism_parameters;
@@ -141,7 +141,7 @@ pub fn calibration(c: &Calibration) -> String {
     text += "\n";
     let mut rows = vec![errors_row("before", &c.before), errors_row("fitted", &c.after)];
     if let Some(h) = &c.held_out {
-        let gross = if found.outliers.is_empty() { "" } else { ", gross errors too" };
+        let gross = if found.outliers.is_empty() { "" } else { ", including gross errors" };
         rows.push(errors_row(&format!("held out ({} rows{gross})", h.samples), &h.rms));
     }
     if let Some(p) = &c.predicted {
@@ -165,7 +165,8 @@ pub fn calibration(c: &Calibration) -> String {
     if c.registration.applied {
         let (b, t) = (&c.plausibility.base, &c.plausibility.target);
         text += &format!(
-            "\nFrames: the base stands {} away and turned by {} in the tracker's frame;\n        the target sits {} away and turned by {} on the platform.\n",
+            "\nFrames: the base is {} away and rotated by {} in the tracker's frame;\n        the target is offset by \
+             {} and rotated by {} on the platform.\n",
             show_length(b.position.norm()),
             show_angle(crate::pose::rotation_vector(&b.rotation).norm()),
             show_length(t.position.norm()),
@@ -197,7 +198,7 @@ fn weak_directions(c: &Calibration) -> String {
         return String::new();
     }
     let mut text = format!(
-        "\nThe data decide {} of {} directions; not decided (tolerance over sigma from the data):\n",
+        "\nThe data determine {} of {} directions; not determined (tolerance over sigma from the data):\n",
         c.identification.mechanism_parameters - c.weak.len(),
         c.identification.mechanism_parameters
     );
@@ -234,7 +235,7 @@ pub(in crate::report) fn result_line(c: &Calibration) -> String {
     )
 }
 
-/// What `evaluate` prints.
+/// Text output of `evaluate`.
 pub fn evaluation(e: &ModelErrors, title: &str) -> String {
     let rows = [errors_row("RMS", &e.rms()), errors_row("mean", &e.mean()), errors_row("largest", &e.max())];
     let worst = e.samples.iter().max_by(|a, b| a.position.unwrap_or(0.0).total_cmp(&b.position.unwrap_or(0.0)));

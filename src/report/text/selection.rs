@@ -1,4 +1,4 @@
-//! What `select` prints.
+//! Text output of `select`.
 
 use super::settlement::{CampaignLimits, campaign_limits};
 use super::table;
@@ -6,7 +6,7 @@ use crate::observability::Scaling;
 use crate::selection::{ChosenSet, Requirement};
 use crate::units::{show_angle, show_length};
 
-/// What `select` chose.
+/// Results of `select`.
 pub struct Selection<'a> {
     /// Name of the mechanism.
     pub title: &'a str,
@@ -20,9 +20,9 @@ pub struct Selection<'a> {
     pub given: usize,
     /// Choices for other numbers of poses.
     pub table: &'a [ChosenSet],
-    /// What was required.
+    /// Required accuracy, if any.
     pub requirement: Option<&'a Requirement>,
-    /// What a diagnosis of these poses would see, if that was asked.
+    /// Detection limits of a diagnosis with these poses, if requested.
     pub limits: Option<&'a CampaignLimits>,
     /// Where the poses were written.
     pub file: &'a str,
@@ -31,7 +31,7 @@ pub struct Selection<'a> {
 /// Least part by which a pose more should lower the predicted error.
 const PAYS: f64 = 0.01;
 
-/// What `select` prints; the last line is the result in one sentence.
+/// Text output of `select`; the last line is the result in one sentence.
 pub fn selection(s: &Selection<'_>) -> String {
     let r = s.report;
     let new = r.poses.len() - s.given;
@@ -49,7 +49,10 @@ pub fn selection(s: &Selection<'_>) -> String {
         text += &table(&["poses", r.index.as_str(), "efficiency", "position", "rotation"], &rows);
         text += "(position and rotation: predicted RMS error of the calibrated pose)\n";
         if let Some(n) = pays_until(s.table) {
-            text += &format!("From {n} poses on, one more lowers the predicted position error by less than 1 %.\n");
+            text += &format!(
+                "Beyond {n} poses, each additional one lowers the predicted position error by less than \
+                              1 %.\n"
+            );
         }
         text += "\n";
     }
@@ -61,7 +64,7 @@ pub fn selection(s: &Selection<'_>) -> String {
     text += &format!("{} = {:.6e} ({units})\n", r.index, r.value);
     text += &match (r.bound, r.efficiency) {
         (Some(bound), Some(efficiency)) => format!(
-            "no set of {} of these candidates passes {bound:.6e}: certified efficiency {:.2} %\n",
+            "no set of {} of these candidates is better than {bound:.6e}: certified efficiency {:.2} %\n",
             r.poses.len(),
             100.0 * efficiency
         ),

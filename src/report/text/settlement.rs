@@ -1,4 +1,4 @@
-//! Measurements that settle a tie, and what a campaign would see, in words.
+//! Text output for measurements that settle a tie, and for the detection limits of a campaign.
 
 use super::table;
 use crate::diagnosis::{Diagnosis, MeasurementPlan, NotFound, NotTestable, TOLD_APART};
@@ -11,7 +11,10 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
         let word = found.verdict.word();
         return format!("{title}: the verdict is {word}; there is no tie to settle\n");
     }
-    let mut text = format!("{title}: what would tell the rivals apart (separability; {TOLD_APART} is needed)\n\n");
+    let mut text = format!(
+        "{title}: measurements that would tell the rivals apart (separability; {TOLD_APART} is \
+                            needed)\n\n"
+    );
     let pairs: Vec<String> = plans[0].separations.iter().map(|s| format!("{} / {}", s.effect, s.rival)).collect();
     for (k, pair) in pairs.iter().enumerate() {
         text += &format!("  ({}) {pair}\n", k + 1);
@@ -32,7 +35,7 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
     text += &match best.settles() {
         true => format!("\nMeasure {}: it tells all of them apart.\n", best.what),
         false => format!(
-            "\nNone of these settles everything; the most telling is {} (weakest pair {}).\n",
+            "\nNone of these separates every pair; the best is {} (weakest pair {}).\n",
             best.what,
             three_digits(best.weakest())
         ),
@@ -40,7 +43,7 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
     text
 }
 
-/// What a planned campaign would see, and of what it was planned.
+/// Detection limits of a planned campaign, and its assumptions.
 #[derive(Clone, Debug)]
 pub struct CampaignLimits {
     /// Number of poses.
@@ -51,11 +54,11 @@ pub struct CampaignLimits {
     pub conditions: String,
     /// Limits of the effects that it sees.
     pub limits: Vec<NotFound>,
-    /// What the others miss.
+    /// Effects that cannot be tested, with what they need.
     pub missing: Vec<NotTestable>,
 }
 
-/// What a planned campaign would see, with its noise and its conditions.
+/// Text output of the detection limits of a planned campaign, with its noise and its conditions.
 pub fn campaign_limits(c: &CampaignLimits) -> String {
     let (position, rotation) = (show_length(c.noise.position), show_angle(c.noise.rotation));
     format!(
@@ -74,7 +77,7 @@ pub(super) fn limit_table(limits: &[NotFound]) -> String {
 
 /// The limits of effects, and what others miss.
 pub fn detection_limits(limits: &[NotFound], missing: &[NotTestable]) -> String {
-    let mut text = format!("seen with 95 % probability from this size on:\n{}", limit_table(limits));
+    let mut text = format!("smallest size that is detected with 95 % probability:\n{}", limit_table(limits));
     if !missing.is_empty() {
         text += "\nnot testable with this campaign:\n";
         for n in missing {

@@ -169,7 +169,7 @@ fn select_takes_planned_conditions_from_a_file() {
     let nights = format!("time_s,temp_legs_degC,elevation_deg\n{}\n", rows.join("\n"));
     bench.write("nights.csv", &nights);
     let result = bench.json(&format!("{SELECT_FOR_DIAGNOSIS} --conditions nights.csv"));
-    assert_eq!(result["planned_conditions"], "conditions of nights.csv, whose 24 rows repeat");
+    assert_eq!(result["planned_conditions"], "conditions from nights.csv, whose 24 rows are repeated");
     assert!(limit(&result, "thermal.legs.uniform").is_some() && limit(&result, "drift.leg").is_some());
     let missing = missing(&result);
     for name in ["thermal.legs.individual", "thermal.base", "compliance.payload", "sag.frame"] {

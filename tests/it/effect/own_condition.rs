@@ -158,9 +158,10 @@ fn an_effect_names_it_and_settling_a_tie_varies_it() {
     assert!(names.collect::<Vec<_>>().contains(&&"soft.leg".to_owned()), "{}", said(&found));
     let plans = settle(&question, &found).unwrap();
     let what: Vec<&str> = plans.iter().map(|plan| plan.what.as_str()).collect();
-    for expected in
-        ["12 poses in turn at force 0 N and 200 N", "12 poses in turn at force 0 N and 200 N at leg 3 alone"]
-    {
+    for expected in [
+        "12 poses alternating between force 0 N and 200 N",
+        "12 poses alternating between force 0 N and 200 N at leg 3 only",
+    ] {
         let plan = plans.iter().find(|plan| plan.what == expected).unwrap_or_else(|| panic!("{what:#?}"));
         assert!(plan.settles(), "{expected}: {:#?}", plan.separations);
     }

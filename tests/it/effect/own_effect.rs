@@ -72,9 +72,9 @@ fn measurements_that_settle_a_tie_with_it_vary_what_it_names() {
     let rising = |row: usize, _: &mut _| 0.5 + 4.0 * row as f64 / (example::ROWS - 1) as f64;
     let unlisted = ReadOptions::default().with_effect(example::MotorHeat);
     let expected = [
-        (example::reading(), "12 poses in turn at motor current 0.5 and 4.5"),
+        (example::reading(), "12 poses alternating between motor current 0.5 and 4.5"),
         // Of a column without an entry the ends of the run are known.
-        (unlisted, "12 poses in turn at motor_current 0.500 and 4.50"),
+        (unlisted, "12 poses alternating between motor_current 0.500 and 4.50"),
     ];
     for (reading, expected) in expected {
         let machine = Machine::read_with(TABLE5, &reading).unwrap();

@@ -67,7 +67,7 @@ fn gravity_columns_come_before_the_elevation() {
 fn what_is_wrong_with_gravity_is_named() {
     let three = "gravity_x,gravity_y,gravity_z";
     says(&refusal(three, &["0,0,-1", "0.6,0,0.7"]), &["data row 1 (line 3)", "gravity_x", "length 0.92", "must be 1"]);
-    says(&refusal(three, &["0,,-1"]), &["data row 0", "only a part is filled"]);
+    says(&refusal(three, &["0,,-1"]), &["data row 0", "only partly filled"]);
     says(&refusal("gravity_x,gravity_z", &["0,-1"]), &["needs gravity_y too"]);
     says(&refusal("gravity_x_m,gravity_y,gravity_z", &["0,0,-1"]), &["gravity_x_m", "has no unit"]);
     says(&refusal("elevation_deg,zenith_distance_deg", &["0,90"]), &["zenith_distance_deg", "keep one of them"]);

@@ -90,15 +90,18 @@ fn what_an_entry_states_is_written_word_by_word() {
 #[test]
 fn what_is_wrong_with_an_entry_is_named() {
     let thermal = "name = \"thermal.legs.uniform\"\n";
-    refused("name = \"thermal.leg\"\n", &["`name`", "'thermal.leg' is no effect", "thermal.leg.single"]);
+    refused("name = \"thermal.leg\"\n", &["`name`", "'thermal.leg' is not an effect", "thermal.leg.single"]);
     refused(thermal, &["'thermal.legs.uniform', `parameters`", "'expansion' is missing"]);
-    refused(&format!("{thermal}parameters = {{ growth = 1e-5 }}"), &["'growth' is no parameter", "expansion"]);
+    refused(
+        &format!("{thermal}parameters = {{ growth = 1e-5 }}"),
+        &["'growth' is not one of its parameters", "expansion"],
+    );
     refused(&format!("{thermal}parameters = {{ expansion = nan }}"), &["'expansion' is NaN", "not a finite number"]);
     let good = format!("{thermal}parameters = {{ expansion = 1e-5 }}\n");
-    refused(&format!("{good}leg = 2"), &["`leg`", "means nothing for this effect"]);
+    refused(&format!("{good}leg = 2"), &["`leg`", "does not apply to this effect"]);
     refused(&format!("{good}range = {{ temp_legs = [3.0, inf] }}"), &["`range`", "'temp_legs' is inf"]);
-    refused(&format!("{good}range = {{ temp_legs = [3.0, 2.0] }}"), &["`range`", "[3, 2], no interval"]);
-    refused(&format!("{good}sigma = {{ alpha = 1.0 }}"), &["`sigma`", "'alpha' is no parameter"]);
+    refused(&format!("{good}range = {{ temp_legs = [3.0, 2.0] }}"), &["`range`", "[3, 2], which is not an interval"]);
+    refused(&format!("{good}sigma = {{ alpha = 1.0 }}"), &["`sigma`", "'alpha' is not one of its parameters"]);
     refused(&format!("{good}reference = {{ temp_legs = 20.0 }}"), &["`reference`", "reference_temperature_degC"]);
     let drift = "name = \"drift.leg\"\nparameters = { drift = 1e-5 }\n";
     refused(drift, &["`leg`", "is missing", "1 to 6"]);
@@ -118,7 +121,7 @@ fn what_is_wrong_with_an_entry_is_named() {
     );
     let twice = format!("{good}[[effect]]\n{good}");
     let message = refusal(&twice);
-    assert!(message.contains("effect 2") && message.contains("stands twice"), "{message}");
+    assert!(message.contains("effect 2") && message.contains("is stated twice"), "{message}");
     let pitch = hexapod("", "").replace("[actuator]\nscrew_pitch = 5.0\n", "");
     let screw = format!("{pitch}\n[[effect]]\nname = \"joint.screw_coupling\"\nparameters = {{ lead = 1e-3 }}\n");
     let message = Machine::from_text(&screw, "m.toml".as_ref()).unwrap_err().to_string();

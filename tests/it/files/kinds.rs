@@ -159,9 +159,9 @@ fn what_is_wrong_with_a_kind_is_named() {
     );
     refused("rotary-stewart", "[home]", "[homes]", &["unknown field `homes`"]);
     refused("rotary-stewart", "[workspace]", "[mounting]", &["unknown field `position`", "base_position"]);
-    refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is none of 1, 2, 3"]);
+    refused("linear-delta", "carriage = 1", "carriage = 4", &["leg 1, `carriage`", "4 is not 1, 2 or 3"]);
     refused("linear-delta", "carriage = 1", "carriage = 2", &["carriage 1 has 1 rods"]);
-    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "no direction"]);
+    refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.0, 0.0]", &["leg 1, `rail`", "not a direction"]);
     refused("linear-delta", "rail = [0.0, 0.0, 1.0]", "rail = [0.0, 0.1, 1.0]", &["legs 1 and 2", "different rails"]);
     refused(
         "linear-delta",
@@ -169,17 +169,17 @@ fn what_is_wrong_with_a_kind_is_named() {
         "rail = [nan, 0.0, 1.0]",
         &["leg 1, `rail`", "not a finite number"],
     );
-    refused("tripod-3rps", "stroke", "rail = [0.0, 0.0, 1.0]\nstroke", &["leg 1, `rail`", "means nothing"]);
+    refused("tripod-3rps", "stroke", "rail = [0.0, 0.0, 1.0]\nstroke", &["leg 1, `rail`", "does not apply"]);
     refused(
         "tripod-3rps",
         "length_unit",
         "identify = [\"q\"]\nlength_unit",
-        &["identify", "'q' is no parameter", "xA"],
+        &["identify", "'q' is not a parameter", "xA"],
     );
     refused("tripod-3rps", "length_unit", "identify = []\nlength_unit", &["identify", "names no parameter"]);
     refused("tripod-3rps", "length_unit", "pivot = [0.0, 0.0, 10.0]\nlength_unit", &["pivot", "must be absent"]);
-    refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is no leg"]);
-    refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is no leg"]);
+    refused("planar-cables", "segments = [1]", "segments = [9]", &["cable 1, `segments`", "9 is not a leg"]);
+    refused("planar-cables", "segments = [1]", "segments = [0]", &["cable 1, `segments`", "0 is not a leg"]);
     refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
     refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);
@@ -197,7 +197,7 @@ fn an_unknown_kind_is_refused_with_the_list() {
 #[test]
 fn parts_of_other_kinds_are_refused() {
     let cable = "[[cable]]\nsegments = [1]\n\n[home]";
-    refused("tripod-3rps", "[home]", cable, &["[[cable]]", "means nothing for type \"tripod-3rps\"", "delete it"]);
+    refused("tripod-3rps", "[home]", cable, &["[[cable]]", "does not apply to type \"tripod-3rps\"", "delete it"]);
     let offset = "[offset]\nposition = [1.0, 0.0, 0.0]\n\n[home]";
-    refused("planar-cables", "[home]", offset, &["[offset]", "means nothing for type \"planar-cables\""]);
+    refused("planar-cables", "[home]", offset, &["[offset]", "does not apply to type \"planar-cables\""]);
 }

@@ -534,7 +534,7 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 let aligned = data_of.with_frames(found.registration.frames);
                 let models = [
                     ModelResiduals::new("calibrated", found.mechanism.as_ref(), &own, data_of),
-                    ModelResiduals::new("as it was given", mechanism, &[], &aligned),
+                    ModelResiduals::new("as given", mechanism, &[], &aligned),
                 ];
                 let models: Vec<ModelResiduals> = models.into_iter().flatten().collect();
                 let measured = Measured { data: data_of, models: &models };

@@ -222,7 +222,7 @@ fn every_mistake_is_named() {
         (
             Mistake::IgnoresTheTracker,
             "motion agrees with differences",
-            "sample 0 with the tracker elsewhere, δt x, row 1: analytic",
+            "sample 0 with the tracker in another frame, δt x, row 1: analytic",
         ),
     ];
     for (mistake, law, detail) in cases {

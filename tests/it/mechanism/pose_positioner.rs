@@ -129,8 +129,8 @@ fn far_offsets_are_offsets_and_no_frames() {
 #[test]
 fn what_means_nothing_is_refused() {
     let leg = "[[leg]]\nplatform = [0, 0, 0]\nbase = [0, 0, 0]\n";
-    refused(&format!("{FILE}{leg}"), &["stage.toml: [[leg]]", "means nothing for type \"pose\"", "delete it"]);
-    refused(&format!("{FILE}[noise]\nposition = 1\nrotation = 1\njoint = 1\n"), &["[noise] joint", "means nothing"]);
+    refused(&format!("{FILE}{leg}"), &["stage.toml: [[leg]]", "does not apply for type \"pose\"", "delete it"]);
+    refused(&format!("{FILE}[noise]\nposition = 1\nrotation = 1\njoint = 1\n"), &["[noise] joint", "does not apply"]);
     refused(&format!("{FILE}[tolerance]\nanchor = 1\n"), &["[tolerance] angle", "is missing"]);
     refused(&format!("{FILE}[offset]\nposition = [nan, 0, 0]\n"), &["[offset]", "not a finite number"]);
     refused(
@@ -141,11 +141,11 @@ fn what_means_nothing_is_refused() {
     refused(&sensor("covariate = \"temp_base1\""), &["sensor 1, `base`", "is missing"]);
     refused(&sensor("covariate = \"temp_a\"\nbase = [0, 0, 0]\nplatform = [0, 0, 0]"), &["sensor 1", "keep one"]);
     refused(&sensor("covariate = \"temp_a_degC\"\nbase = [0, 0, 0]"), &["'temp_a_degC'", "without its unit"]);
-    refused(&sensor("covariate = \"load\"\nbase = [0, 0, 0]"), &["'load'", "no name of temperatures"]);
+    refused(&sensor("covariate = \"load\"\nbase = [0, 0, 0]"), &["'load'", "not the name of a temperature"]);
     let twice = "covariate = \"temp_a\"\nbase = [0, 0, 0]\n[[sensor]]\ncovariate = \"temp_a\"\nbase = [1, 0, 0]";
-    refused(&sensor(twice), &["sensor 2", "sensor 1 already"]);
+    refused(&sensor(twice), &["sensor 2", "already that of sensor 1"]);
     let offset = format!("{}\n[offset]\nposition = [1, 0, 0]\n", common::text("mechanisms/table5.toml"));
-    refused(&offset, &["[offset]", "means nothing for type \"six-hardpoint\""]);
+    refused(&offset, &["[offset]", "does not apply to type \"six-hardpoint\""]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("d.csv");
     std::fs::write(&path, "leg1_mm,x_um,y_um,z_um\n800,0,0,0\n").unwrap();

@@ -111,7 +111,7 @@ fn simulated_heights_calibrate_the_mechanism_and_an_unknown_plane() {
     let shown = bench.run("calibrate drawn.toml d.csv -o c.toml");
     let shown = String::from_utf8(shown.stdout).unwrap();
     assert!(shown.contains("150 samples (heights over an unknown plane)"), "{shown}");
-    assert!(shown.contains("Identified with the measurement\nparameter "), "{shown}");
+    assert!(shown.contains("Identified measurement parameters\nparameter "), "{shown}");
 }
 
 #[test]

@@ -158,7 +158,10 @@ fn conditions_that_are_missing_or_unusual_are_named() {
         range = { temp_legs = [17.0, 19.5] }\nreference = { temp_legs = 18.0 }\n";
     let bench = with_poses(entry);
     let (shown, warnings) = bench.json_and_warnings("compensate m.toml p.csv -o l.csv");
-    says(&warnings, &["thermal.legs.uniform: temp_legs is", "degC in data row", "outside of 17.0000 to 19.5000 degC"]);
+    says(
+        &warnings,
+        &["thermal.legs.uniform: temp_legs is", "degC in data row", "outside the range 17.0000 to 19.5000 degC"],
+    );
     assert!(shown["warnings"].as_array().unwrap().len() >= 2, "{shown}");
     let poses = bench.text("p.csv");
     let cold = poses.lines().map(|line| {
@@ -214,12 +217,12 @@ fn wrong_effects_of_a_call_are_named() {
         let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", effect];
         refuses(&bench, &words, &[&["--effect", effect][..], parts].concat());
     };
-    simulate("sag=1", &["'sag' is no effect", "sag.frame"]);
+    simulate("sag=1", &["'sag' is not an effect", "sag.frame"]);
     simulate("sag.frame=1e-5", &["has 1 of the 2 values", "shift (m), tilt (rad)"]);
     simulate("scale.per_leg=1e-3,2e-3", &["has 2 of the 6 values", "scale1 (1)"]);
     simulate("drift.leg=1e-5", &["`leg`", "is missing"]);
     simulate("drift.leg[leg=9]=1e-5", &["there is no leg 9"]);
-    simulate("drift.leg[leg=x]=1e-5", &["'leg=x' is no whole number", "drift.leg[leg=3]=2e-5"]);
+    simulate("drift.leg[leg=x]=1e-5", &["'leg=x' is not a whole number", "drift.leg[leg=3]=2e-5"]);
     simulate("drift.leg[arm=3]=1e-5", &["'arm' is none of leg, row, of"]);
     simulate("drift.leg[leg=3=1e-5", &["has no ']'"]);
     simulate("drift.leg[leg=3]", &["has no '='"]);

@@ -40,13 +40,13 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
     assert!(page.contains(&format!("The result can be trusted. {}", last.replace('>', "&gt;"))), "{last}");
     for shown in [
         "Errors row by row",
-        "Deviations of the parameters",
+        "Deviations of the length parameters",
         "Convergence",
         "xA1",
         "h6",
         "stated noise",
         "Where in the workspace",
-        "What is left, beside the noise",
+        "Residuals against the noise",
         "Leg by leg over the length of the leg",
         "Correlations of the identified parameters",
         "times as long as the errors",
@@ -114,7 +114,7 @@ fn a_choice_is_shown_with_its_bound_and_the_poses() {
         "certified to reach",
         "Where the poses lie",
         "platform at the poses",
-        "no set of these candidates passes this",
+        "no set of these candidates is better",
         "predicted position error, RMS",
     ] {
         assert!(page.contains(shown), "{shown}");
@@ -181,7 +181,7 @@ fn a_gross_row_is_marked_and_hides_nothing() {
     whole(&page);
     let after =
         |name: &str| page.split(&format!("{name}</dt><dd>")).nth(1).unwrap().split('<').next().unwrap().to_owned();
-    assert!(after("left out of these numbers").split(", ").any(|row| row == "3"));
+    assert!(after("excluded from these numbers").split(", ").any(|row| row == "3"));
     assert!(page.contains("looks like a gross error"));
     // Without that row the error is that of the noise, and not a tenth of a millimetre.
     let of = after("<dt>position error, calibrated");

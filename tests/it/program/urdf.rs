@@ -119,13 +119,13 @@ fn convert_goes_both_ways_and_loses_nothing_silently() {
     b.refuses("convert r.urdf -o out", &["out", ".urdf"]);
     // The side file would be the input, and its workspace would be lost.
     b.write("m.toml", TABLE_5);
-    b.refuses("convert m.toml -o m.urdf", &["m.toml", "input", "another stem"]);
+    b.refuses("convert m.toml -o m.urdf", &["m.toml", "input", "a different stem"]);
     // With nothing but units beside the legs, the URDF can stand alone.
     let bare = &TABLE_5[..TABLE_5.find("[workspace]").unwrap()];
     let bare = bare.replace("length = 800.0", "length = 800.0\nstroke = [700.0, 900.0]");
     b.write("bare.toml", &bare);
     let message = b.done("convert bare.toml -o bare.urdf").err;
-    assert!(message.contains("stands alone") && b.text("bare.toml") == bare, "{message}");
+    assert!(message.contains("has no side file") && b.text("bare.toml") == bare, "{message}");
     let message = b.done("inspect bare.urdf").err;
     assert!(message.contains("bare.toml is not used") && message.lines().count() == 1, "{message}");
     // A mechanism file that nobody named is not replaced.
@@ -133,11 +133,11 @@ fn convert_goes_both_ways_and_loses_nothing_silently() {
     b.refuses("convert flat.toml -o other.urdf", &["other.toml", "of its own"]);
     // Nor is anything else that happens to be TOML, or a side file of another URDF.
     for (text, reason) in [
-        ("[package]\nname = \"x\"\n", "no side file of a URDF"),
-        ("a = = 1\n", "no TOML that can be read"),
+        ("[package]\nname = \"x\"\n", "not a side file of a URDF"),
+        ("a = = 1\n", "cannot be read as TOML"),
         ("type = \"linear-delta\"\n", "of kind 'linear-delta'"),
         ("urdf = \"r.urdf\"\n", "belongs to 'r.urdf'"),
-        ("name = \"x\"\n", "no URDF of its stem"),
+        ("name = \"x\"\n", "no URDF with its stem"),
     ] {
         b.write("other.toml", text);
         b.refuses("convert flat.toml -o other.urdf", &["other.toml", reason]);

@@ -154,7 +154,7 @@ fn identified<C: Closure>(
     stems.sort_unstable();
     stems.dedup();
     if let Some(unknown) = document.identify.iter().flatten().find(|s| !stems.contains(&s.as_str())) {
-        let problem = format!("'{unknown}' is no parameter; those of this kind are {}", stems.join(", "));
+        let problem = format!("'{unknown}' is not a parameter; those of this kind are {}", stems.join(", "));
         return Err(r.value("identify", problem));
     }
     if document.identify.as_ref().is_some_and(Vec::is_empty) {

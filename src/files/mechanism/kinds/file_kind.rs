@@ -68,7 +68,7 @@ impl FileKind {
     pub(crate) fn check_parts(&self, r: &Reader<'_>, document: &MechanismDocument) -> Result<(), FileError> {
         let stranger = special_parts(document).into_iter().find(|(part, stated)| *stated && !self.parts.contains(part));
         match stranger {
-            Some((part, _)) => Err(r.value(part, format!("means nothing for type \"{}\"; delete it", self.name))),
+            Some((part, _)) => Err(r.value(part, format!("does not apply to type \"{}\"; delete it", self.name))),
             None => Ok(()),
         }
     }
@@ -98,7 +98,7 @@ impl FileKind {
                     return Err(r.value(place(), format!("is missing; a leg of type \"{kind}\" needs it")));
                 }
                 if stated && !needed.contains(&key) && !optional.contains(&key) {
-                    return Err(r.value(place(), format!("means nothing for type \"{kind}\"; delete it")));
+                    return Err(r.value(place(), format!("does not apply to type \"{kind}\"; delete it")));
                 }
             }
         }

@@ -27,7 +27,7 @@ fn draw(drawing: &Drawing<'_>) -> Result<ClosureMechanism<LinearDelta>, FileErro
     let rods = each(r, legs, |at, l| {
         let carriage = l.carriage.unwrap_or(0);
         if !(1..=3).contains(&carriage) {
-            return Err(r.value(at.place("carriage"), format!("{carriage} is none of 1, 2, 3")));
+            return Err(r.value(at.place("carriage"), format!("{carriage} is not 1, 2 or 3")));
         }
         Ok(Rod {
             platform: at.point("platform", &l.platform)?,

@@ -31,8 +31,16 @@ fn draw(drawing: &Drawing<'_>) -> Result<ClosureMechanism<PlanarCables>, FileErr
     for (i, c) in cables.iter().enumerate() {
         let at = Row { r, section: "cable", row: i + 1 };
         let segment = |k: &usize| {
-            let problem =
-                || r.value(at.place("segments"), format!("{k} is no leg; legs are numbered from 1 to {}", legs.len()));
+            let problem = || {
+                r.value(
+                    at.place("segments"),
+                    format!(
+                        "{k} is not a leg; legs are numbered from 1 to \
+                                     {}",
+                        legs.len()
+                    ),
+                )
+            };
             k.checked_sub(1).filter(|k| *k < legs.len()).ok_or_else(problem)
         };
         let dimension = if c.drum.is_some() { Dimension::Angle } else { Dimension::Length };

@@ -23,7 +23,7 @@ pub(crate) const KIND: FileKind = FileKind {
 fn read(source: &Source<'_>, _warned: &mut Vec<String>) -> Result<Made, FileError> {
     let Source { reader: r, document, convention, home } = *source;
     if document.noise.as_ref().is_some_and(|n| n.joint != 0.0) {
-        return Err(r.value("[noise] joint", "means nothing for type \"pose\", whose joints are commanded; delete it"));
+        return Err(r.value("[noise] joint", "does not apply to type \"pose\", whose joints are commanded; delete it"));
     }
     let offset = document.offset.clone().unwrap_or_default();
     let offsets = r.six("[offset]", &offset.position, &offset.rotation)?;

@@ -47,7 +47,7 @@ impl Row<'_> {
         let v = v.unwrap_or([0.0; 3]);
         v.iter().try_for_each(|x| self.finite(key, *x).map(drop))?;
         if v == [0.0; 3] {
-            return Err(self.r.value(self.place(key), "[0, 0, 0] is no direction; write one of any length"));
+            return Err(self.r.value(self.place(key), "[0, 0, 0] is not a direction; write a vector of any length"));
         }
         Ok(v.into())
     }

@@ -1,4 +1,4 @@
-//! What generic code asks of a number.
+//! Number traits for generic code.
 
 use std::fmt;
 use std::iter::{Product, Sum};

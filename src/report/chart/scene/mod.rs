@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] holds what is seen, in metres and with z upwards: closed polygons ([`Silhouette`]: base ring, platform,
 //! platform at other poses), legs and cables ([`LineSegment`]), coordinate systems ([`Triad`]), errors or loads
-//! ([`Arrow`]) and points ([`Dot`]). A [`View`] tells from where.
+//! ([`Arrow`]) and points ([`Dot`]). A [`View`] is the viewpoint.
 //!
 //! * **True perspective.**  The projection is the one of a pinhole camera, fitted into the picture. Lengths cannot be
 //!   read from such a picture with a ruler; hence a grid lies on the ground, at the lowest z of all that is drawn, and

@@ -1,4 +1,4 @@
-//! What chosen poses promise.
+//! Predicted accuracy of chosen poses.
 
 use super::maps::shown;
 use super::{ARCSECONDS, MICROMETRES};
@@ -10,8 +10,8 @@ use crate::selection::ChosenSet;
 pub(in crate::report::html) fn trace(r: &ChosenSet) -> Figure {
     let points = r.trace.iter().enumerate().map(|(k, v)| [k as f64, *v]).collect();
     let last = r.trace.len().saturating_sub(1) as f64;
-    let bound = |at: f64| Rule { horizontal: true, at, label: "no set of these candidates passes this".into() };
-    let end = Series::new("the set that is written", 1, Shape::Dots, vec![[last, r.value]]);
+    let bound = |at: f64| Rule { horizontal: true, at, label: "no set of these candidates is better".into() };
+    let end = Series::new("the chosen set", 1, Shape::Dots, vec![[last, r.value]]);
     let panel = Panel {
         x: Axis::linear("iteration"),
         y: Axis::linear(r.index.clone()),

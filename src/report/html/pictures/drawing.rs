@@ -64,7 +64,7 @@ pub(in crate::report::html) fn drawing(
     };
     if of_poses > 1.0 {
         notes.push(format!(
-            "Distances and tilts of the poses from home are drawn {} times as large.",
+            "Displacements and tilts of the poses from home are magnified {} times.",
             three_digits(of_poses)
         ));
     }

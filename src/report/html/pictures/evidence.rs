@@ -1,4 +1,4 @@
-//! What speaks for the causes of a diagnosis.
+//! Evidence for the causes of a diagnosis.
 
 use super::{ARCSECONDS, MICROMETRES};
 use crate::diagnosis::{Cause, Diagnosis};
@@ -12,8 +12,8 @@ pub(in crate::report::html) fn added_variable(causes: &[Cause]) -> Figure {
         let leg = c.leg.map_or_else(String::new, |leg| format!(", leg {}", leg + 1));
         Panel {
             title: format!("{}{leg}", c.effect),
-            x: Axis::linear("share of the cause that nothing else imitates (sigma)"),
-            y: Axis::linear("left without the cause (sigma)"),
+            x: Axis::linear("part of the cause that nothing else imitates (sigma)"),
+            y: Axis::linear("residual without the cause (sigma)"),
             series: vec![
                 Series::new("a reading", 0, Shape::Dots, points),
                 Series::new("what the cause predicts", 1, Shape::Line, vec![[low, low], [high, high]]),
@@ -23,9 +23,9 @@ pub(in crate::report::html) fn added_variable(causes: &[Cause]) -> Figure {
     };
     Figure {
         title: "Added-variable plots".into(),
-        description: "For each named cause what is left of each reading without it, over the share of the cause that \
-                      neither parameters nor other causes imitate, both in units of the noise; a true cause follows the \
-                      line."
+        description: "For each named cause, the residual of each reading without it over the part of the cause that \
+                      neither parameters nor other causes imitate, both in units of the noise; a true cause follows \
+                      the line."
             .into(),
         columns: causes.len().min(2),
         panels: causes.iter().map(panel).collect(),
@@ -54,10 +54,10 @@ pub(in crate::report::html) fn gain(d: &Diagnosis) -> Figure {
         panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
     ];
     Figure {
-        title: "Error on rows that were not fitted".into(),
+        title: "Error on held-out rows".into(),
         description:
             "RMS position and angle error on held-out rows, with the kinematic parameters alone and with the causes, \
-                      beside the stated noise."
+             compared with the stated noise."
                 .into(),
         columns: 2,
         panels: panels.into_iter().filter(|p| !p.series[0].points.is_empty()).collect(),
@@ -78,14 +78,16 @@ pub(in crate::report::html) fn sizes(d: &Diagnosis) -> Figure {
     let ends = all.iter().map(|(_, v, half)| [v - half, v + half]).collect();
     let panel = Panel {
         x: Axis::named("parameter", all.iter().map(|(name, ..)| name.clone()).collect()),
-        y: Axis::linear("value over its usual size, ± 2 sigma"),
+        y: Axis::linear("value relative to its usual size, ± 2 sigma"),
         series: vec![Series::new("", 0, Shape::ErrorBars { ends }, points)],
         rules: vec![Rule { horizontal: true, at: 0.0, label: "none".into() }],
         ..Panel::default()
     };
     Figure {
         title: "Sizes of the causes".into(),
-        description: "Each value of the named causes over the usual size of its effect, with its uncertainty.".into(),
+        description: "Each value of the named causes relative to the usual size of its effect, with its \
+                      uncertainty."
+            .into(),
         columns: 1,
         panels: vec![panel],
     }

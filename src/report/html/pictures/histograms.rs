@@ -1,4 +1,4 @@
-//! What is left beside the noise.
+//! Residuals compared with the noise.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -33,10 +33,10 @@ pub(in crate::report::html) fn histograms(
         }
     }
     Figure {
-        title: "What is left, beside the noise".into(),
+        title: "Residuals against the noise".into(),
         description:
-            "Histograms of the components of measured minus predicted for each model, with the curve that the \
-                      stated noise alone would give where it is not too narrow to be seen; gross rows are left out."
+            "Histograms of the components of measured minus predicted for each model, with the curve expected from \
+             the stated noise alone, unless it is too narrow to be seen; rows with gross errors are left out."
                 .into(),
         columns: 2,
         panels,

@@ -1,13 +1,13 @@
-//! Pictures of what a model misses: over rows, workspace, legs and conditions, and beside the noise.
+//! Charts of the errors of a model: by row, over workspace, legs and conditions, and against the noise.
 //!
 //! | file | question |
 //! |---|---|
 //! | `by_row` | which rows are wrong, and by how much? |
 //! | `maps` | where in the workspace? |
 //! | `strips` | which leg, and with what does it change? |
-//! | `histograms` | is what is left noise? |
+//! | `histograms` | are the residuals noise? |
 //! | `drawing` | what does it look like? |
-//! | `parameters` | which parameters are known, and which are mixed up? |
+//! | `parameters` | which parameters are known, and which are correlated? |
 //! | `evidence` | does the named cause follow the data? |
 //! | `choice` | what do the chosen poses promise? |
 
@@ -41,10 +41,10 @@ const MICROMETRES: f64 = 1e6;
 /// Arc seconds in a radian.
 const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
-/// Data seen through one model.
+/// Data evaluated with one model.
 #[derive(Clone, Debug)]
 pub struct ModelResiduals {
-    /// What the model is called in legends.
+    /// Name of the model in legends.
     pub name: String,
     /// Length of the error of each sample.
     pub errors: ModelErrors,

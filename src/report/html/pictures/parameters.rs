@@ -36,10 +36,10 @@ pub(in crate::report::html) fn deviations(parameters: &[Estimate]) -> Option<Fig
         ..Panel::default()
     };
     Some(Figure {
-        title: "Deviations of the parameters that are lengths".into(),
+        title: "Deviations of the length parameters".into(),
         description:
-            "Deviation of each length among the parameters from the mechanism file with its uncertainty, beside the \
-                      tolerance."
+            "Deviation of each length parameter from the mechanism file with its uncertainty, compared with its \
+             tolerance."
                 .into(),
         columns: 1,
         panels: vec![panel],
@@ -73,16 +73,16 @@ pub(in crate::report::html) fn correlation(parameters: &[Estimate], correlation:
         x: Axis::named("", names),
         y: Axis::named("", reversed),
         series: vec![
-            series("grow together (full tint: correlation 1)", 0, of(|v| v > 0.0)),
-            series("one grows as the other shrinks (full tint: -1)", 1, of(|v| v < 0.0)),
+            series("positive correlation (full tint: 1)", 0, of(|v| v > 0.0)),
+            series("negative correlation (full tint: -1)", 1, of(|v| v < 0.0)),
         ],
         ..Panel::default()
     };
     Some(Figure {
         title: "Correlations of the identified parameters".into(),
         description:
-            "Correlation of each pair of identified parameters, tinted by its size; pairs in full tint are known \
-                      only together."
+            "Correlation of each pair of identified parameters, tinted by its size; pairs in full tint can only be \
+             determined jointly."
                 .into(),
         columns: 1,
         panels: vec![panel],

@@ -1,4 +1,4 @@
-//! What is left at each leg over what was recorded.
+//! Residuals of each leg over the recorded conditions.
 
 use std::collections::BTreeMap;
 
@@ -89,7 +89,7 @@ pub(in crate::report::html) fn strips(
             Figure {
                 title: format!("Leg by leg over {}", against.title),
                 description: format!(
-                    "What is left of each sample as a change of each joint, measured minus predicted, over {}.",
+                    "Residual of each sample as a change of each joint, measured minus predicted, over {}.",
                     against.title
                 ),
                 columns: 3,

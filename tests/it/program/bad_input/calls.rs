@@ -93,7 +93,7 @@ fn simulations() {
         errors(
             "errors of a leg twice",
             "leg,xA_mm\n1,2\n1,3\n",
-            &["e.csv: data row 1 (line 3), column 'leg'", "'1' stands twice"],
+            &["e.csv: data row 1 (line 3), column 'leg'", "'1' appears twice"],
         ),
         errors(
             "errors of a seventh leg",

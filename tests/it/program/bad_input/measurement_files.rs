@@ -115,7 +115,7 @@ fn contacts() {
             "contact with the unit of an angle",
             "contact_deg",
             "1",
-            &["d.csv: column 'contact_deg'", "'deg' is no unit of it", "m | mm | um | in"],
+            &["d.csv: column 'contact_deg'", "'deg' is not a unit for it", "m | mm | um | in"],
         ),
         contacts(
             "contact that is no number",
@@ -202,7 +202,14 @@ fn lengths_and_poses() {
     let compensate = |name, list: &str, parts: &[&str]| -> Row {
         row(name, [file("p.csv", list)], "compensate m.toml p.csv -o o.csv", parts.iter().copied())
     };
-    let out = ["d.csv: data row 1: ", "out of reach", "leg1", "3000.000 mm", "(home 800.000 mm)", "correct the row"];
+    let out = [
+        "d.csv: data row 1: ",
+        "out of reach",
+        "leg1",
+        "3000.000 mm",
+        "(home 800.000 mm)",
+        "correct or delete the row",
+    ];
     let far = || [file("d.csv", cell(2, 0, "3000.0"))];
     all_are_refused(&[
         row("length out of reach", far(), CALIBRATE, out),
@@ -211,7 +218,7 @@ fn lengths_and_poses() {
             "held-out length out of reach",
             [file("held.csv", cell(3, 4, "3000.0"))],
             "calibrate m.toml d.csv -o o.toml --holdout held.csv",
-            ["held.csv: data row 2: ", "out of reach", "leg5", "3000.000 mm", "correct the row"],
+            ["held.csv: data row 2: ", "out of reach", "leg5", "3000.000 mm", "correct or delete the row"],
         ),
         compensate(
             "quaternion of zero",

@@ -35,7 +35,7 @@ fn requirements() {
         require(
             "requirement that cannot be met",
             "0.01um",
-            &["50 poses are predicted", "does not meet", "times as precise"],
+            &["50 poses are predicted", "does not meet", "times as precisely"],
         ),
         require("requirement in words", "fast", &["'fast'", "2um", "0.5arcsec"]),
         require("two lengths", "1um,2um", &["one length and one angle"]),
@@ -80,7 +80,7 @@ fn lists() {
         lists(
             "more poses than candidates",
             "select m.toml -o p.csv -n 9 --candidates list.csv",
-            &["9 poses are wanted", "only 5 candidates"],
+            &["9 poses are requested", "only 5 candidates"],
         ),
         lists("list without a row", "select m.toml -o p.csv --candidates empty.csv", &["empty.csv", "no data row"]),
         lists("missing list", "select m.toml -o p.csv --candidates missing.csv", &["missing.csv"]),
@@ -97,7 +97,7 @@ fn lists() {
             "candidate out of reach",
             [file("far.csv", far)],
             "select m.toml -o p.csv -n 9 --candidates far.csv",
-            ["9 poses are wanted", "only 1 candidates"],
+            ["9 poses are requested", "only 1 candidates"],
         ),
     ]);
 }
