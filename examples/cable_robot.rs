@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Question, diagnose};
-use paracal::effect::{Environment, catalogue};
+use paracal::effect::{Catalogue, Environment};
 use paracal::identification::{Identifier, LevenbergMarquardt, PriorPolicy, Task};
-use paracal::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use paracal::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::mechanism::kinds::{Cable, PlanarCables, Segment};
 use paracal::mechanism::{Linearization, Mechanism};
 use paracal::nalgebra::Vector3;
@@ -58,7 +58,7 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
     let mut states = vec![Conditions::unknown(); rows.len()];
     Conditions::put_in_run(&mut states, rows.iter().map(lengths).collect(), Some(&[0.0; 3]));
     let sample = |((row, r), conditions): ((usize, &Vec<f64>), Conditions)| Sample {
-        row,
+        row: DataRow(row),
         joints: lengths(r),
         conditions,
         ..Sample::default()
@@ -114,7 +114,7 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
         data: &data,
         environment: Environment::default(),
         convention: PoseConvention::default(),
-        catalogue: catalogue(),
+        catalogue: Catalogue::standard(),
         noise_known: false,
         seed: 0,
     };

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, calibrate, evaluate};
-use paracal::measurement::{Contact, ContactReading, Dataset, Noise, PlaneContact, Sample};
+use paracal::measurement::{Contact, ContactReading, DataRow, Dataset, Noise, PlaneContact, Sample};
 use paracal::mechanism::ParameterRole;
 use paracal::mechanism::closure::{Closure, ClosureMechanism, Outline, Real, State, length};
 use paracal::nalgebra::Vector3;
@@ -81,7 +81,7 @@ pub fn run(folder: &Path) -> Result<f64, Box<dyn Error>> {
     let printer = ClosureMechanism::new(Printer, outline)?;
 
     let sample = |(row, r): (usize, &Vec<f64>)| Sample {
-        row,
+        row: DataRow(row),
         joints: r.iter().map(|steps| steps / STEPS).collect(),
         ..Sample::default()
     };

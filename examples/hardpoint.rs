@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 4. Calibrate.
     let options = CalibrationOptions::default();
     let result = calibrate(&nominal, &data, Some(&workspace), &LevenbergMarquardt::default(), &options)?;
-    println!("{}", paracal::report::text::calibration(&result, nominal.name(), "full poses", "levenberg-marquardt"));
+    println!("{}", paracal::report::text::calibration(&result));
 
     // 5. Command a pose with either model, and see where the platform really goes.
     let wanted = Pose::from_coordinates(&[0.02, -0.03, 0.49, 0.01, 0.02, -0.03]);

@@ -51,7 +51,7 @@ impl Identifier for TruncatedSvd {
         problem.linearize(&x, &mut residual, &mut jacobian).map_err(|e| IdentifyError::Other(e.to_string()))?;
         let convergence = Convergence::SmallStep;
         let solution = LeastSquaresSolution { x, residual, jacobian, initial_cost, history, convergence };
-        Identification::from_solution(task, &problem, &solution, 1.0, vec![1.0; task.data.len()], Vec::new())
+        Identification::from_solution(task, &problem, &solution, 1.0, vec![1.0; task.data.len()], &[])
     }
 }
 
@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let own = TruncatedSvd { part: 1e-9 };
     let options = CalibrationOptions::default();
     let result = calibrate(machine.mechanism.as_ref(), &measured.data, machine.workspace.as_ref(), &own, &options)?;
-    println!("{}", paracal::report::text::calibration(&result, machine.mechanism.name(), "full poses", own.name()));
+    println!("{}", paracal::report::text::calibration(&result));
 
     // The public suite holds it to the same laws as the identifiers of the crate.
     #[cfg(feature = "conformance")]

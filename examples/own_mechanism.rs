@@ -71,6 +71,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let data = as_dataset(&measured, &convention, &noise);
     let options = CalibrationOptions::default();
     let result = calibrate(&nominal, &data, Some(&space), &LevenbergMarquardt::default(), &options)?;
-    print!("{}", paracal::report::text::calibration(&result, "vertical slides", "full poses", "levenberg-marquardt"));
+    print!("{}", paracal::report::text::calibration(&result));
     Ok(())
 }

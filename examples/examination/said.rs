@@ -79,11 +79,11 @@ impl Said {
             causes: causes.collect(),
             unknown: diagnosis.unknown.as_ref().map(|u| (u.covariate.clone(), u.leg.map(|leg| leg + 1))),
             detail: diagnosis.unknown.as_ref().map_or_else(String::new, |u| {
-                let test = format!(" by {} p {:.0e}", u.test, u.p_value);
+                let test = format!(" by {} p {:.0e}", u.test.word(), u.p_value);
                 if u.withdrawn.is_empty() { test } else { format!("{test}, not {}", u.withdrawn.join(" nor ")) }
             }),
             reading: diagnosis.misread.as_ref().map(|m| (m.reading.clone(), m.detail.clone())),
-            outlier_rows: diagnosis.outlier_rows.clone(),
+            outlier_rows: diagnosis.outlier_rows.iter().map(|row| row.0).collect(),
             noise_varies: diagnosis.noise_varies.as_ref().map(|n| n.covariate.clone()),
             after_over_floor: gain.position_after.zip(gain.noise_floor_position).map(|(after, floor)| after / floor),
         }

@@ -9,7 +9,6 @@ use crate::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, identifier,
 };
-use crate::measurement::MeasurementModel;
 use crate::report::html::{self, Measured, ModelResiduals, Page};
 use crate::report::{json, text};
 use anyhow::{Context, Result, bail};
@@ -140,17 +139,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         })?;
     progress.finish_and_clear();
 
-    let targets =
-        measurement.targets.as_ref().map(|t| t.located(&result.identification.own_values())).unwrap_or_default();
-    let mut document = machine.document_of(
-        result.mechanism.as_ref(),
-        result.workspace.as_ref(),
-        &targets,
-        &result.registration.frames,
-    )?;
-    if let Some(contacts) = measurement.contacts.as_ref().filter(|c| !c.nuisance_parameters().is_empty()) {
-        document.plane = Some(machine.plane_section(&contacts.located(&result.identification.own_values())));
-    }
+    let found = &result.identification;
+    let frames = &result.registration.frames;
+    let mut document = machine.document_of(result.mechanism.as_ref(), result.workspace.as_ref(), &[], frames)?;
+    measurement.put_identified(&machine, &found.parameters[found.mechanism_parameters..], &mut document);
     if !machine.effects().is_empty() {
         document.effects = refitted(&machine, &result, &measurement);
         if result.registration.applied {
@@ -164,26 +156,17 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
     }
-    let title = mechanism.name();
-    let shown = text::calibration(&result, title, &measurement.data.model().describe(), chosen.name());
     if let Some(path) = &args.report {
-        outputs.add(path, page(args, ui, &machine, &measurement, &result, &shown)?.html())?;
+        outputs.add(path, page(args, ui, &machine, &measurement, &result)?.html())?;
     }
     outputs.write()?;
     result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
-    ui.result(&shown, &json::calibration(&result, chosen.name(), &largest_correlations(&result)));
+    ui.result(&text::calibration(&result), &json::calibration(&result));
     Ok(verdict(result.verdict.trusted))
 }
 
 /// The report: errors of the mechanism as it was given, once it stands where it was found, and of the calibrated one.
-fn page(
-    args: &Args,
-    ui: &Ui,
-    machine: &Machine,
-    measurement: &Measurement,
-    result: &Calibration,
-    text: &str,
-) -> Result<Page> {
+fn page(args: &Args, ui: &Ui, machine: &Machine, measurement: &Measurement, result: &Calibration) -> Result<Page> {
     let data = &measurement.data;
     let about = |error| about(error, machine, &args.data, data);
     let aligned = data.with_frames(result.registration.frames);
@@ -195,15 +178,15 @@ fn page(
     let settings =
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
     let subject = page_subject(ui, machine, result.mechanism.as_ref(), settings);
-    Ok(html::calibration(result, text, &subject, &Measured { data, models: &models }))
+    Ok(html::calibration(result, &subject, &Measured { data, models: &models }))
 }
 
 /// The effects of the file with the identified values, their 1σ, and the range of the data.
 fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) -> Vec<EffectEntry> {
-    let on_measurement = measurement.located(&result.identification.own_values());
+    let on_measurement = machine.instrument_with(&result.identification.own_values());
     let mut effects: Vec<ActiveEffect> =
         effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
-    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data));
+    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data, machine.condition_kinds()));
     let sigmas: Vec<Vec<f64>> = effects
         .iter()
         .map(|effect| {
@@ -243,19 +226,4 @@ fn covariance_table(result: &Calibration) -> CsvTable {
         header: std::iter::once("parameter".to_owned()).chain(names.iter().cloned()).collect(),
         rows: names.iter().enumerate().map(row).collect(),
     }
-}
-
-/// The ten pairs of parameters that are most correlated.
-fn largest_correlations(result: &Calibration) -> Vec<(String, String, f64)> {
-    let correlation = result.identification.correlation();
-    let names = &result.identification.parameters;
-    let mut pairs = Vec::new();
-    for i in 0..names.len() {
-        for j in i + 1..names.len() {
-            pairs.push((names[i].spec.name.clone(), names[j].spec.name.clone(), correlation[(i, j)]));
-        }
-    }
-    pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
-    pairs.truncate(10);
-    pairs
 }

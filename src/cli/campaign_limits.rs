@@ -72,7 +72,7 @@ impl DiagnosisArgs {
         let samples =
             machine.planned_samples(poses, states).map_err(|(k, cause)| anyhow!("{}: {cause}", at_pose(k)))?;
         let failed = |error: IdentifyError| match error {
-            IdentifyError::Sample { row, cause, .. } => anyhow!("{}: {cause}", at_pose(row)),
+            IdentifyError::Sample { row, cause, .. } => anyhow!("{}: {cause}", at_pose(row.0)),
             other => anyhow!("{file}: --for-diagnosis: {other}"),
         };
         let data = planned(machine.plain(), samples, machine.convention, campaign.noise, [true; 6]).map_err(failed)?;
@@ -83,7 +83,7 @@ impl DiagnosisArgs {
         })?;
         let conditions = match (&self.conditions, states.len()) {
             (None, _) => {
-                format!("assumed (--conditions FILE states others): {}", Machine::REFERENCE_CONDITIONS)
+                format!("assumed (--conditions FILE states others): {}", machine.reference_conditions_in_words())
             }
             (Some(path), rows) if rows < n => format!("conditions of {}, whose {rows} rows repeat", path.display()),
             (Some(path), _) => format!("conditions of {}", path.display()),

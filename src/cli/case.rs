@@ -47,7 +47,7 @@ impl CaseArgs {
 impl Case<'_> {
     /// What is asked of the data.
     pub(crate) fn question(&self) -> Question<'_> {
-        Question { noise_known: self.args.noise_known, ..Question::of(&self.machine, &self.measurement.as_read) }
+        Question { noise_known: self.args.noise_known, ..Question::of(&self.machine, &self.measurement.data) }
     }
 
     /// A failed diagnosis with the file that it is about.

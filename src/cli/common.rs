@@ -7,9 +7,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use crate::conditions::Conditions;
-use crate::files::{CsvTable, Machine, Measurement, UrdfOptions, number, read_measurement};
+use crate::files::{CsvTable, Machine, Measurement, ReadOptions, number, pose_columns, read_measurement};
 use crate::identification::IdentifyError;
-use crate::measurement::Dataset;
+use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 use crate::report::html;
 use crate::units::Dimension;
@@ -36,8 +36,8 @@ pub(crate) struct Ui {
     pub(crate) json: bool,
     /// No progress and no warnings.
     pub(crate) quiet: bool,
-    /// What a URDF file leaves open.
-    pub(crate) urdf: UrdfOptions,
+    /// What mechanism files are read with.
+    pub(crate) reading: ReadOptions,
     /// The warnings so far, for the page.
     pub(crate) warnings: RefCell<Vec<String>>,
 }
@@ -85,7 +85,7 @@ impl Ui {
 
     /// Reads a mechanism file and prints its warnings.
     pub(crate) fn machine(&self, path: &Path) -> Result<Machine> {
-        let machine = Machine::read_with(path, &self.urdf)?;
+        let machine = Machine::read_with(path, &self.reading)?;
         machine.warnings.iter().for_each(|w| self.warn(w));
         Ok(machine)
     }
@@ -159,18 +159,20 @@ pub(crate) struct JointsAndPose {
 
 /// A table of joints and poses in the units of the mechanism file.
 pub(crate) fn joints_and_poses(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
-    let (length, angle) = (machine.length_unit, machine.angle_unit);
+    let mut table = labelled_joints(machine, comment, rows);
+    table.append(&pose_columns(machine, rows.iter().map(|r| &r.pose)));
+    table
+}
+
+/// The same without the poses.
+pub(crate) fn labelled_joints(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
     let joints = machine.mechanism.joints();
     let labelled = rows.iter().any(|r| r.id.is_some());
     let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
     header.extend(joints.iter().map(|j| format!("{}_{}", j.name, machine.unit(j.dimension).name)));
-    header.extend(["x", "y", "z"].map(|c| format!("{c}_{}", length.name)));
-    header.extend(["rx", "ry", "rz"].map(|c| format!("{c}_{}", angle.name)));
     let row = |r: &JointsAndPose| {
         let mut cells: Vec<String> = if labelled { vec![r.id.clone().unwrap_or_default()] } else { Vec::new() };
         cells.extend(r.joints.iter().zip(joints).map(|(v, j)| number(machine.unit(j.dimension).from_si(*v))));
-        cells.extend(r.pose[..3].iter().map(|v| number(length.from_si(*v))));
-        cells.extend(r.pose[3..].iter().map(|v| number(angle.from_si(*v))));
         cells
     };
     CsvTable { comments: vec![comment], header, rows: rows.iter().map(row).collect() }
@@ -214,7 +216,7 @@ pub(crate) fn about(error: IdentifyError, machine: &Machine, path: &Path, data: 
 }
 
 /// The joint of a row that is farthest from its place at home.
-fn odd_joint(machine: &Machine, data: &Dataset, row: usize) -> Option<String> {
+fn odd_joint(machine: &Machine, data: &Dataset, row: DataRow) -> Option<String> {
     let mechanism = machine.mechanism.as_ref();
     let sample = data.iter().find(|s| s.row == row)?;
     let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
@@ -284,5 +286,6 @@ pub(crate) fn page_subject<'a>(
     // Noise of the joints makes errors of a size that differs from pose to pose.
     let noise = machine.noise.as_ref().filter(|n| n.joint == 0.0).map(|n| [n.position, n.rotation]);
     let warnings = ui.warnings.borrow().clone();
-    html::Subject { mechanism, convention: &machine.convention, noise, warnings, settings }
+    let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
+    html::Subject { mechanism, convention, condition_kinds, noise, warnings, settings }
 }

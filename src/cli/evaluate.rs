@@ -41,10 +41,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let errors = evaluate(mechanism, &[], &measurement.data).map_err(wrong)?;
     let size = crate::mechanism::characteristic_length(mechanism);
     if errors.rms().position.is_some_and(|p| p > OTHER_FRAME * size) {
-        ui.warn(match &measurement.contacts {
-            None => "the errors are as large as the mechanism; if the data are in the tracker's own frame, `calibrate` finds it",
-            Some(_) => "the errors are as large as the mechanism; check the [plane] of the mechanism file, or state identify = true there",
-        });
+        ui.warn(&format!("the errors are as large as the mechanism; {}", measurement.kind.advice_on_frames()));
     }
     if let Some(path) = &args.report {
         let models = [ModelResiduals::new("model", mechanism, &[], &measurement.data).map_err(wrong)?];

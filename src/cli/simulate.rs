@@ -6,26 +6,21 @@ use std::sync::Arc;
 
 use crate::effect::{ActiveEffect, AvailableData, EffectContext, Extended, effects_of, without_effects};
 use crate::files::{
-    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, number, read_parameter_errors, read_pose_list,
+    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, READING_KINDS, read_parameter_errors,
+    read_pose_list, reading_kind,
 };
 use crate::measurement::{Frames, Noise};
 use crate::mechanism::Mechanism;
-use crate::simulation::{Command, Instrument, SimulatedSample, draw_parameters, measured_heights, simulate_run};
-use crate::units::{Dimension, Unit, parse_quantity, shortened, show_angle, show_length};
-use anyhow::{Result, anyhow, bail};
-use clap::ValueEnum;
+use crate::simulation::{Command, Instrument, SimulatedSample, draw_parameters, simulate_run};
+use crate::units::{Dimension, parse_quantity, shortened};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::builder::PossibleValuesParser;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
-use crate::cli::common::{JointsAndPose, Ui, joints_and_poses};
+use crate::cli::common::{JointsAndPose, Ui, labelled_joints};
 use crate::cli::effect_args::effect_entry;
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Measure {
-    Pose,
-    Contact,
-}
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
@@ -61,10 +56,10 @@ pub(crate) struct Args {
     /// 1 sigma of a measured angle; that of the mechanism file if absent.
     #[arg(long, value_name = "ANGLE")]
     noise_rotation: Option<String>,
-    /// What is measured: full poses, or the height over the plane of the mechanism file (contact_mm), which has the noise
-    /// of a position.
-    #[arg(long, value_enum, default_value = "pose")]
-    measure: Measure,
+    /// What is measured: full poses, the positions of the targets of the mechanism file (p1x_mm …), or the height over its
+    /// plane (contact_mm); a height has the noise of a position.
+    #[arg(long, default_value = "pose", value_parser = PossibleValuesParser::new(READING_KINDS.map(|kind| kind.name())))]
+    measure: String,
     /// Seed of errors and noise.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -112,16 +107,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         anyhow!("{}: data row {row}: {cause}; {advice}", args.poses.display())
     })?;
     warn_outside(ui, mechanism, &samples);
-    let shown_noise = match args.measure {
-        Measure::Pose => format!("{} and {}", show_length(noise.position), show_angle(noise.rotation)),
-        Measure::Contact => show_length(noise.position),
-    };
+    let kind = reading_kind(&args.measure).with_context(|| format!("no kind of reading is '{}'", args.measure))?;
+    let shown_noise = kind.shown_noise(&noise);
     let comment = format!("simulated: {}, noise {shown_noise}, seed {}", mechanism.name(), args.seed);
-    let mut table = measurement(&machine, comment, listed, &samples);
-    if args.measure == Measure::Contact {
-        let heights = measured_heights(&samples, &machine.contact, &noise, &mut rng);
-        with_heights(&mut table, &heights, machine.length_unit);
-    }
+    let mut table = commands(&machine, comment, listed, &samples);
+    table.append(&kind.simulate(&machine, &samples, &noise, &mut rng)?);
     table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
     if let Some(path) = &args.truth {
@@ -184,15 +174,15 @@ fn true_mechanism(actual: &Machine, values: &[f64]) -> Result<Box<dyn Mechanism>
     })
 }
 
-/// The table of commanded joints and measured poses.
-fn measurement(machine: &Machine, comment: String, listed: &[ListedPose], samples: &[SimulatedSample]) -> CsvTable {
+/// The commanded joints of the rows, with their labels.
+fn commands(machine: &Machine, comment: String, listed: &[ListedPose], samples: &[SimulatedSample]) -> CsvTable {
     let row = |(listed, sample): (&ListedPose, &SimulatedSample)| JointsAndPose {
         id: listed.id.clone(),
         joints: sample.joints.clone(),
         pose: sample.measured,
     };
     let rows: Vec<JointsAndPose> = listed.iter().zip(samples).map(row).collect();
-    joints_and_poses(machine, comment, &rows)
+    labelled_joints(machine, comment, &rows)
 }
 
 /// The machine with the effects of its file and of the call, which refer to the temperatures of the list.
@@ -207,7 +197,7 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
         }
         document.effects.push(entry);
     }
-    let mut actual = Machine::from_document(document, &machine.path)?;
+    let mut actual = machine.with_document(document)?;
     let states = || list.poses.iter().map(|l| &l.conditions);
     actual.refer_to(states(), &path.display().to_string()).iter().for_each(|w| ui.warn(w));
     let context = EffectContext::new(actual.plain(), actual.environment());
@@ -224,17 +214,6 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
     }
     drop(context);
     Ok(actual)
-}
-
-/// Puts heights in the place of the six columns of the pose.
-fn with_heights(table: &mut CsvTable, heights: &[f64], unit: Unit) {
-    let joints = table.header.len() - 6;
-    table.header.truncate(joints);
-    table.header.push(format!("contact_{}", unit.name));
-    for (row, height) in table.rows.iter_mut().zip(heights) {
-        row.truncate(joints);
-        row.push(number(unit.from_si(*height)));
-    }
 }
 
 fn warn_outside(ui: &Ui, mechanism: &dyn Mechanism, samples: &[SimulatedSample]) {

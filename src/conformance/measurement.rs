@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 
 use super::mechanism::{MOTIONS, STEP, compare, differences, shown};
 use super::{Violation, violation};
-use crate::measurement::{Frames, MeasurementModel, RowKind, Rows, TargetFrame};
+use crate::measurement::{Frames, MeasurementModel, RowKind, Rows, Sample, TargetFrame};
 use crate::pose::Pose;
 
 /// Derivatives are checked this far from the poses that were given, m and rad.
@@ -18,8 +18,8 @@ const PLACES: usize = 3;
 /// A pose that was built from a reading may miss the reading by this many σ.
 const NOISE: f64 = 10.0;
 
-/// Checks a measurement model whose `k`-th sample was measured with the platform near `poses[k]` (base frame, tracker
-/// and target in the identity frames), without gross errors.
+/// Checks a measurement model of these samples, of which the `k`-th was measured with the platform near `poses[k]` (base
+/// frame, tracker and target in the identity frames), without gross errors.
 ///
 /// * rows, covariance and own parameters agree in number, names are unique;
 /// * own parameters start at finite values, also without some of the samples;
@@ -34,11 +34,11 @@ const NOISE: f64 = 10.0;
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn measurement(model: &dyn MeasurementModel, poses: &[Pose]) -> Result<(), Violation> {
-    sizes(model, poses)?;
+pub fn measurement(model: &dyn MeasurementModel, samples: &[Sample], poses: &[Pose]) -> Result<(), Violation> {
+    sizes(model, samples, poses)?;
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     for place in 0..PLACES {
-        let bench = Bench::new(model, poses, place, &mut rng)?;
+        let bench = Bench::new(model, samples, poses, place, &mut rng)?;
         for sample in 0..model.samples() {
             bench.covariance(sample)?;
             bench.derivatives(sample, &mut rng)?;
@@ -50,10 +50,13 @@ pub fn measurement(model: &dyn MeasurementModel, poses: &[Pose]) -> Result<(), V
     Ok(())
 }
 
-fn sizes(model: &dyn MeasurementModel, poses: &[Pose]) -> Result<(), Violation> {
+fn sizes(model: &dyn MeasurementModel, samples: &[Sample], poses: &[Pose]) -> Result<(), Violation> {
     const LAW: &str = "samples, rows and parameters agree in number";
     if model.samples() != poses.len() {
         return Err(violation(LAW, format!("{} samples, {} poses", model.samples(), poses.len())));
+    }
+    if model.samples() != samples.len() {
+        return Err(violation(LAW, format!("the model has {} samples, {} are given", model.samples(), samples.len())));
     }
     for sample in 0..model.samples() {
         let (rows, shape) = (model.rows(sample).len(), model.covariance(sample, &Frames::default()).shape());
@@ -90,6 +93,7 @@ fn start(model: &dyn MeasurementModel, poses: &[Option<Pose>], frames: &Frames) 
 /// A model with tracker and target somewhere.
 struct Bench<'a> {
     model: &'a dyn MeasurementModel,
+    samples: &'a [Sample],
     frames: Frames,
     /// Which place it is, for messages.
     place: &'static str,
@@ -101,6 +105,7 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(
         model: &'a dyn MeasurementModel,
+        samples: &'a [Sample],
         poses: &[Pose],
         place: usize,
         rng: &mut ChaCha8Rng,
@@ -123,12 +128,12 @@ impl<'a> Bench<'a> {
         let half: Vec<Option<Pose>> = poses.iter().enumerate().map(|(k, p)| (k % 2 == 0).then_some(*p)).collect();
         start(model, &half, &frames)?;
         let own = start(model, &all, &frames)?;
-        Ok(Self { model, frames, place, poses, own })
+        Ok(Self { model, samples, frames, place, poses, own })
     }
 
     fn rows(&self, sample: usize, pose: &Pose, own: &[f64]) -> Rows {
         let mut rows = Rows::sized(self.model.rows(sample).len(), own.len());
-        self.model.evaluate(sample, pose, &self.frames, own, &mut rows);
+        self.model.evaluate(sample, &self.samples[sample], pose, &self.frames, own, &mut rows);
         rows
     }
 

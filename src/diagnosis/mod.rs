@@ -5,7 +5,7 @@
 //! | verdict | meaning |
 //! |---|---|
 //! | clean | what is left is noise |
-//! | named | causes of the [catalogue](crate::effect::catalogue()) explain it |
+//! | named | causes of the [catalogue](crate::effect::Catalogue) explain it |
 //! | tied | they do, but the data do not exclude other names |
 //! | unknown | something depends on a covariate, or sits at a leg, and no name explains it |
 //! | misread | the file was read wrongly: a sign, a unit, an order |

@@ -21,7 +21,6 @@ pub struct WithInstrumentEffects {
     environment: Arc<Environment>,
     home: Home,
     effects: Vec<ActiveEffect>,
-    samples: Vec<Sample>,
     specs: Vec<ParameterSpec>,
     joint_motion: Matrix6xX<f64>,
 }
@@ -50,23 +49,15 @@ impl WithInstrumentEffects {
         let context = EffectContext::with_home(mechanism, environment, home.clone());
         effects.iter().for_each(|e| specs.extend(e.specs(&context)));
         let joint_motion = Matrix6xX::zeros(mechanism.joints().len());
-        let model = Self {
-            inner,
-            mechanism: copy,
-            environment: Arc::clone(environment),
-            home,
-            effects,
-            samples: data.all_samples().to_vec(),
-            specs,
-            joint_motion,
-        };
+        let model =
+            Self { inner, mechanism: copy, environment: Arc::clone(environment), home, effects, specs, joint_motion };
         Ok(data.with_model(Arc::new(model)))
     }
 
     /// Motion of the reading per unit of each parameter of the effects.
-    fn units(&self, sample: usize, pose: &Pose) -> Vec<Vector6<f64>> {
+    fn units(&self, sample: &Sample, pose: &Pose) -> Vec<Vector6<f64>> {
         let context = EffectContext::with_home(self.mechanism.as_ref(), &self.environment, self.home.clone());
-        let Sample { joints, conditions, .. } = &self.samples[sample];
+        let Sample { joints, conditions, .. } = sample;
         let (values, joint_motion) = (self.mechanism.values(), &self.joint_motion);
         let site = Site { context: &context, values, joints, pose, conditions, joint_motion };
         Perturbation::per_unit(&self.effects, &site).iter().map(|p| p.pose).collect()
@@ -137,13 +128,13 @@ impl MeasurementModel for WithInstrumentEffects {
         start
     }
 
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+    fn evaluate(&self, index: usize, sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
         let first = self.inner.nuisance_parameters().len();
         let (inner, theta) = own.split_at(first);
         let units = self.units(sample, pose);
         let motion = units.iter().zip(theta).fold(Vector6::zeros(), |sum: Vector6<f64>, (u, t)| sum + u * *t);
         let mut rows = Rows::sized(out.residual.len(), first);
-        self.inner.evaluate(sample, &pose.moved(&motion), frames, inner, &mut rows);
+        self.inner.evaluate(index, sample, &pose.moved(&motion), frames, inner, &mut rows);
         for (k, unit) in units.iter().enumerate() {
             out.own.set_column(first + k, &(&rows.motion * unit));
         }

@@ -79,6 +79,9 @@ pub fn calibrate(
         |errors| errors.rms(),
     );
     let result = Calibration {
+        measurement: data.model().describe(),
+        nuisance_heading: data.model().nuisance_heading(),
+        identifier: identifier.name().to_owned(),
         before: evaluate(mechanism, &[], data)?.rms(),
         after,
         held_out,

@@ -45,7 +45,13 @@ impl Default for CalibrationOptions {
 /// A calibrated mechanism and how far to trust it.
 #[derive(Debug)]
 pub struct Calibration {
-    /// The calibrated mechanism, in the frames of the measurement.
+    /// What was measured, as the model of the readings describes it.
+    pub measurement: String,
+    /// Heading of the parameters of the measurement in tables.
+    pub nuisance_heading: &'static str,
+    /// Name of the identifier.
+    pub identifier: String,
+    /// The calibrated mechanism, in the frames of the measurement; it has the name of the one that was given.
     pub mechanism: Box<dyn Mechanism>,
     /// Its parameters, then those of the measurement, in the frames of the measurement; those of a mechanism that is
     /// mounted in them ([`Mechanism::mounted`]) in the frames of its drawing.

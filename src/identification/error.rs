@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::identification::estimators::identification::Identification;
+use crate::measurement::DataRow;
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::solve::SolveError;
 
@@ -45,8 +46,8 @@ pub enum IdentifyError {
     /// The kinematics fails at one sample.
     #[error("data row {row}{label}: {cause}")]
     Sample {
-        /// 0-based data row.
-        row: usize,
+        /// The sample.
+        row: DataRow,
         /// ` (id)`, or nothing.
         label: String,
         /// What failed.
@@ -55,8 +56,8 @@ pub enum IdentifyError {
     /// The covariance of one sample cannot be used.
     #[error("data row {row}: the noise of its reading is not positive")]
     Covariance {
-        /// 0-based data row.
-        row: usize,
+        /// The sample.
+        row: DataRow,
     },
     /// The iterations were used up. Where they led is kept, so that it can be shown, but it is no result.
     #[error("{cause}")]

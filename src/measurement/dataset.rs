@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
-use super::{Frames, MeasurementModel, Noise, RowKind};
+use nalgebra::DMatrix;
+
+use super::{DataRow, Frames, MeasurementModel, Noise, RowKind, Rows, SamplePosition};
 use crate::conditions::Conditions;
+use crate::pose::Pose;
 
 /// One measured sample, without its reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Label from the file.
     pub id: Option<String>,
-    /// 0-based data row in the file.
-    pub row: usize,
+    /// Where it is in the file.
+    pub row: DataRow,
     /// Commanded (or read) joint coordinates, SI.
     pub joints: Vec<f64>,
     /// Operating state.
@@ -59,9 +62,26 @@ impl Dataset {
         &self.samples[self.kept[k]]
     }
 
+    /// The data row of a kept sample.
+    pub fn row(&self, position: SamplePosition) -> DataRow {
+        self.sample(position.0).row
+    }
+
     /// The kept samples in order.
     pub fn iter(&self) -> impl Iterator<Item = &Sample> {
         self.kept.iter().map(|&k| &self.samples[k])
+    }
+
+    /// Residual and derivatives of the `k`-th kept sample at a pose of the platform, with the own parameters of the model;
+    /// `out` as for [`MeasurementModel::evaluate`].
+    pub fn evaluate(&self, k: usize, pose: &Pose, own: &[f64], out: &mut Rows) {
+        let index = self.kept[k];
+        self.model.evaluate(index, &self.samples[index], pose, &self.frames, own, out);
+    }
+
+    /// Covariance of the `k`-th kept reading, SI.
+    pub fn covariance(&self, k: usize) -> DMatrix<f64> {
+        self.model.covariance(self.kept[k], &self.frames)
     }
 
     /// The model, and the index in it of the `k`-th kept sample.
@@ -87,11 +107,6 @@ impl Dataset {
     /// The samples at these positions among the kept ones.
     pub fn subset(&self, positions: &[usize]) -> Self {
         Self { kept: positions.iter().map(|&k| self.kept[k]).collect(), ..self.clone() }
-    }
-
-    /// All samples of the measurement, kept or not.
-    pub fn all_samples(&self) -> &[Sample] {
-        &self.samples
     }
 
     /// The same data with another model of the same readings.

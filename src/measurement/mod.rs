@@ -30,6 +30,7 @@ mod frames;
 mod noise;
 mod plane_contact;
 mod pose_measurement;
+mod row;
 mod targets;
 
 use std::fmt::Debug;
@@ -41,6 +42,7 @@ pub use frames::Frames;
 pub use noise::Noise;
 pub use plane_contact::{Contact, ContactReading, Plane, PlaneContact};
 pub use pose_measurement::{PoseMeasurement, PoseReading};
+pub use row::{DataRow, SamplePosition};
 pub use targets::{TargetMeasurement, TargetPoint};
 
 use crate::mechanism::ParameterSpec;
@@ -73,16 +75,21 @@ pub trait MeasurementModel: Debug + Send + Sync {
         &[]
     }
 
+    /// Heading of the table of these parameters.
+    fn nuisance_heading(&self) -> &'static str {
+        "Identified with the measurement"
+    }
+
     /// Start values of the own parameters, from the poses that the mechanism predicts for the samples in use;
     /// `None` stands for a sample that is left out. Their nominal values if nothing better is known.
     fn start(&self, _poses: &[Option<Pose>], _frames: &Frames) -> Vec<f64> {
         self.nuisance_parameters().iter().map(|p| p.nominal).collect()
     }
 
-    /// Residual and derivatives of one sample at a pose of the platform.
+    /// Residual and derivatives of the reading `index` at a pose of the platform; `sample` was measured by it.
     ///
     /// `out` has been sized for the rows of the sample and is zero; entries that are not zero are set.
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
+    fn evaluate(&self, index: usize, sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows);
 
     /// Covariance of the reading (k × k), SI.
     fn covariance(&self, sample: usize, frames: &Frames) -> DMatrix<f64>;

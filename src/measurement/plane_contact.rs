@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix1x3, Rotation3, Unit, Vector3};
 
 use super::pose_measurement::point_motion;
-use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, TargetFrame};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame};
 use crate::mechanism::{ParameterRole, ParameterSpec};
 use crate::pose::Pose;
 use crate::units::Dimension;
@@ -204,8 +204,8 @@ impl MeasurementModel for PlaneContact {
         own
     }
 
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
-        let ContactReading { height: Some(height), .. } = self.readings[sample] else { return };
+    fn evaluate(&self, index: usize, _sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+        let ContactReading { height: Some(height), .. } = self.readings[index] else { return };
         let tip = frames.base.place(&pose.place(&self.contact.tip));
         let plane = self.plane(own);
         out.residual[0] = plane.height(&tip) - height;

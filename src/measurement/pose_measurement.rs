@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Rotation3, Vector3};
 
-use super::{Frames, MeasurementModel, PointReading, RowKind, Rows};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample};
 use crate::pose::{Pose, PoseConvention, rotation_vector, wrapped_angle};
 
 /// Beyond this |β|, rad, differences of the angles no longer tell the size of a turn: one angle counts up to 1/cos β
@@ -120,8 +120,8 @@ impl MeasurementModel for PoseMeasurement {
         (0..6).filter(|&k| self.readings[sample].measured[k]).map(kind).collect()
     }
 
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, _own: &[f64], out: &mut Rows) {
-        let reading = &self.readings[sample];
+    fn evaluate(&self, index: usize, _sample: &Sample, pose: &Pose, frames: &Frames, _own: &[f64], out: &mut Rows) {
+        let reading = &self.readings[index];
         let arm = pose.rotation * frames.target.place(&self.convention.pivot);
         let point = frames.base.place(&(pose.position + arm));
         // d(point) = R_B (δt + δω × arm)

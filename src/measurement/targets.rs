@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::pose_measurement::point_motion;
-use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, TargetFrame};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame};
 use crate::mechanism::{Axis, ParameterRole, ParameterSpec};
 use crate::pose::{Pose, fit_rigid_motion};
 use crate::units::Dimension;
@@ -102,6 +102,10 @@ impl MeasurementModel for TargetMeasurement {
         &self.own
     }
 
+    fn nuisance_heading(&self) -> &'static str {
+        "Identified target coordinates"
+    }
+
     fn start(&self, poses: &[Option<Pose>], frames: &Frames) -> Vec<f64> {
         let mut start = Vec::with_capacity(self.own.len());
         for (t, _) in self.targets.iter().enumerate().filter(|(_, t)| t.platform.is_none()) {
@@ -117,10 +121,10 @@ impl MeasurementModel for TargetMeasurement {
         start
     }
 
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+    fn evaluate(&self, index: usize, _sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
         let turn = frames.base.rotation.matrix();
         let (mut row, mut unknown) = (0, 0);
-        for ((target, place), reading) in self.targets.iter().zip(self.places(own)).zip(&self.readings[sample]) {
+        for ((target, place), reading) in self.targets.iter().zip(self.places(own)).zip(&self.readings[index]) {
             let point = frames.base.place(&pose.place(&place));
             let motion = turn * point_motion(pose, &place);
             let along = turn * pose.rotation.matrix();

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::conditions::Conditions;
 use crate::effect::{ActiveEffect, EffectContext, seen};
-use crate::measurement::{Contact, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
@@ -27,7 +27,7 @@ pub struct SimulatedSample {
 }
 
 /// A normal number with standard deviation `sd`.
-fn normal<R: Rng + ?Sized>(rng: &mut R, sd: f64) -> f64 {
+pub(crate) fn normal<R: Rng + ?Sized>(rng: &mut R, sd: f64) -> f64 {
     let z: f64 = StandardNormal.sample(rng);
     sd * z
 }
@@ -128,17 +128,6 @@ pub fn simulate_run<R: Rng + ?Sized>(
     Ok(samples)
 }
 
-/// Heights over a plane that are measured where the instrument sees the platform, m.
-pub fn measured_heights<R: Rng + ?Sized>(
-    samples: &[SimulatedSample],
-    contact: &Contact,
-    noise: &Noise,
-    rng: &mut R,
-) -> Vec<f64> {
-    let height = |s: &SimulatedSample| contact.plane.height(&s.seen.place(&contact.tip)) + normal(rng, noise.position);
-    samples.iter().map(height).collect()
-}
-
 /// The simulated samples as full poses with this noise.
 pub fn as_dataset(samples: &[SimulatedSample], convention: &PoseConvention, noise: &Noise) -> Dataset {
     let (p, r) = (noise.position, noise.rotation);
@@ -147,7 +136,7 @@ pub fn as_dataset(samples: &[SimulatedSample], convention: &PoseConvention, nois
     let listed = samples
         .iter()
         .enumerate()
-        .map(|(row, s)| Sample { row, joints: s.joints.clone(), ..Sample::default() })
+        .map(|(row, s)| Sample { row: DataRow(row), joints: s.joints.clone(), ..Sample::default() })
         .collect();
     Dataset::new(listed, Arc::new(PoseMeasurement::new(*convention, readings)), *noise)
 }

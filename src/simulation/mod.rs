@@ -19,9 +19,9 @@ mod monte_carlo;
 mod running_stats;
 mod trial;
 
-pub use generator::{
-    Command, Instrument, SimulatedSample, as_dataset, draw_parameters, measured_heights, simulate, simulate_run,
-};
+#[cfg(feature = "files")]
+pub(crate) use generator::normal;
+pub use generator::{Command, Instrument, SimulatedSample, as_dataset, draw_parameters, simulate, simulate_run};
 pub use monte_carlo::{monte_carlo, stream, summarise};
 pub use running_stats::RunningStats;
 pub use trial::{Estimator, TargetErrors, Trial, TrialError, TrialResult, target_errors};

@@ -9,6 +9,7 @@ use crate::diagnosis::linear::model::{Hypothesis, Model};
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability};
 use crate::effect::EffectParameter;
+use crate::measurement::DataRow;
 use crate::units::Dimension;
 
 /// A size below this many limits is tentative.
@@ -26,7 +27,7 @@ pub(crate) fn causes(
 ) -> Result<Vec<Cause>, DiagnoseError> {
     let step = model.step();
     let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
     let mut all = Vec::with_capacity(state.names.len());
     let mut at = 0;
     for (k, name) in state.names.iter().enumerate() {
@@ -96,7 +97,7 @@ fn rivals(
     variance: f64,
 ) -> Vec<Rival> {
     let own = scores[name.group].evidence;
-    let rows: Vec<usize> = subject.data.iter().map(|s| s.row).collect();
+    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
     let mut tied: Vec<Rival> = Vec::new();
     for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
         let log_bayes_factor = own - s.evidence;

@@ -2,7 +2,7 @@
 
 use crate::effect::{ActiveEffect, ActsOn, Environment};
 use crate::identification::ErrorSummary;
-use crate::measurement::Frames;
+use crate::measurement::{DataRow, Frames};
 use crate::units::Dimension;
 
 /// One of five answers, always.
@@ -114,8 +114,8 @@ pub struct AddedVariable {
 /// What is left of one sample, measured minus predicted, as a change of each joint, SI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointResiduals {
-    /// 0-based data row.
-    pub row: usize,
+    /// The sample.
+    pub row: DataRow,
     /// True if the sample was left out as a gross error.
     pub left_out: bool,
     /// Beside the kinematic parameters alone.
@@ -264,7 +264,7 @@ pub struct Diagnosis {
     /// How the file should have been read.
     pub misread: Option<Misread>,
     /// Data rows that were left out as gross errors.
-    pub outlier_rows: Vec<usize>,
+    pub outlier_rows: Vec<DataRow>,
     /// What is left in the joints, sample by sample.
     pub residuals: Vec<JointResiduals>,
     /// Noise that varies.

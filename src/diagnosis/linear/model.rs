@@ -14,6 +14,7 @@ use crate::diagnosis::linear::joint_functions::JointFunctions;
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::Noise;
 use crate::effect::ScanPoint;
+use crate::measurement::DataRow;
 
 /// An effect at a place, as the search handles it.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,9 +29,9 @@ pub(crate) struct Hypothesis {
 
 impl Hypothesis {
     /// The place in the terms of the effect; `rows` are the data rows of the samples.
-    pub(crate) fn at(&self, groups: &[EffectColumns], rows: &[usize]) -> ScanPoint {
+    pub(crate) fn at(&self, groups: &[EffectColumns], rows: &[DataRow]) -> ScanPoint {
         let mut at = groups[self.group].places[self.place].at.clone();
-        at.row = self.from.map(|k| rows[k]);
+        at.row = self.from.map(|k| rows[k].0);
         at
     }
 }

@@ -10,7 +10,7 @@ use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
 use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
-use crate::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
@@ -28,7 +28,7 @@ pub fn planned(
     let pose = |(k, s): (usize, &Sample)| {
         mechanism
             .forward(mechanism.values(), &s.joints, &s.conditions, &mechanism.home())
-            .map_err(|cause| IdentifyError::Sample { row: k, label: String::new(), cause })
+            .map_err(|cause| IdentifyError::Sample { row: DataRow(k), label: String::new(), cause })
     };
     let poses: Vec<Pose> = samples.iter().enumerate().map(pose).collect::<Result<_, _>>()?;
     let (p, r) = (noise.position, noise.rotation);

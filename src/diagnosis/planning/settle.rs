@@ -144,6 +144,6 @@ fn candidate(
     let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
     let is_it = |p: &ScanSite| p.at.leg == leg && p.at.covariate.as_ref() == of;
     let place = subject.groups[group].places.iter().position(is_it)?;
-    let from = row.and_then(|row| subject.data.iter().position(|s| s.row >= row));
+    let from = row.and_then(|row| subject.data.iter().position(|s| s.row.0 >= row));
     Some(Hypothesis { group, place, from })
 }

@@ -15,6 +15,7 @@ use crate::diagnosis::search::noise;
 use crate::diagnosis::search::outliers::{distances, outliers, suspicious};
 use crate::diagnosis::search::stepwise::Stepwise;
 use crate::effect::ActiveEffect;
+use crate::measurement::DataRow;
 
 /// Times that the columns are computed anew.
 const ROUNDS: usize = 3;
@@ -63,7 +64,7 @@ impl SearchState {
     ) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
         let all = distances(&self.full, &model, &subject.groups, &self.left_out);
-        Ok(noise::noise_varies(&all, &covariates(subject.data), &self.kept()))
+        Ok(noise::noise_varies(&all, &covariates(subject.data, &subject.environment.condition_kinds), &self.kept()))
     }
 
     /// σ of the rows of each joint over the stated one.
@@ -210,7 +211,7 @@ impl Search<'_> {
     /// The names of a model with their values.
     fn effects(&self, model: &Model<'_>) -> Vec<ActiveEffect> {
         let step = model.step();
-        let rows: Vec<usize> = self.subject.data.iter().map(|s| s.row).collect();
+        let rows: Vec<DataRow> = self.subject.data.iter().map(|s| s.row).collect();
         let mut at = model.table.nuisance;
         let mut effects = Vec::with_capacity(model.candidates.len());
         for name in &model.candidates {

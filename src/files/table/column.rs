@@ -1,5 +1,6 @@
 //! What a column of a table means, from its name.
 
+use crate::conditions::{ConditionTable, Role};
 use crate::files::table::joint_columns::JointColumn;
 use crate::mechanism::{JointSpec, Mechanism};
 use crate::units::{Dimension, Unit};
@@ -15,14 +16,10 @@ pub(crate) enum Meaning {
     Pose(usize),
     /// Component w x y z of the measured rotation.
     Quaternion(usize),
-    /// Coordinate of a target, by name and axis.
-    Target(String, usize),
     /// 1σ of a coordinate of the measured pose.
     Sigma(usize),
-    /// Height of the tip over the plane.
-    Contact,
-    /// 1σ of such a height.
-    SigmaContact,
+    /// What a kind of reading other than the pose measures.
+    Reading(ReadingColumn),
     /// Coordinate of the commanded pose.
     Commanded(usize),
     /// Clock time.
@@ -30,6 +27,22 @@ pub(crate) enum Meaning {
     /// Anything else that is a number, by name without unit.
     Covariate(String),
 }
+
+/// A column of a kind of reading.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReadingColumn {
+    /// The name of the kind.
+    pub(crate) kind: &'static str,
+    /// What is measured: the name of a target.
+    pub(crate) quantity: String,
+    /// Which coordinate of it.
+    pub(crate) axis: usize,
+    /// True for its 1σ.
+    pub(crate) sigma: bool,
+}
+
+/// What names of columns mean to the kinds of reading, with the dimension of their numbers.
+pub(crate) type ReadingNames<'a> = &'a dyn Fn(&str) -> Option<(ReadingColumn, Dimension)>;
 
 /// A column with the unit that its name states.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,8 +69,9 @@ pub(crate) fn column(
     name: &str,
     header: &[String],
     mechanism: &dyn Mechanism,
-    targets: &[String],
+    readings: ReadingNames<'_>,
     joints: &[JointColumn],
+    kinds: &ConditionTable,
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
         Some((base, suffix)) => match Unit::named(suffix) {
@@ -72,9 +86,9 @@ pub(crate) fn column(
             Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
         }
         Some(unit) => Err(format!("'{}' is no unit of it; use one of {}", unit.name, dimension.choices())),
-        None => Err(missing_unit(name, base, dimension)),
+        None => Err(missing_unit(name, base, dimension, kinds)),
     };
-    if let Some(meaning) = whole_name(name) {
+    if let Some(meaning) = whole_name(name, kinds) {
         return Ok(Column { name: name.into(), meaning, unit: None, joint: None });
     }
     // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
@@ -95,17 +109,11 @@ pub(crate) fn column(
         if let Some(k) = candidate.strip_prefix("cmd_").and_then(pose) {
             return with(Meaning::Commanded(k), pose_dimension(k));
         }
-        if candidate == "contact" {
-            return with(Meaning::Contact, Dimension::Length);
+        if let Some((reading, dimension)) = readings(candidate) {
+            return with(Meaning::Reading(reading), dimension);
         }
-        if candidate == "sigma_contact" {
-            return with(Meaning::SigmaContact, Dimension::Length);
-        }
-        if let Some((target, axis)) = target(candidate, targets) {
-            return with(Meaning::Target(target, axis), Dimension::Length);
-        }
-        if candidate.starts_with("temp_") {
-            return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
+        if let Some(kind) = kinds.of(candidate).filter(|kind| kind.needs_unit && kind.is_recorded()) {
+            return with(Meaning::Covariate(candidate.into()), kind.dimension);
         }
         if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
             if unit.is_none() {
@@ -120,7 +128,7 @@ pub(crate) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, targets, joints);
+        let known = column(&small, &[], mechanism, readings, joints, kinds);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are written in small letters; did you mean '{small}'?"));
         }
@@ -129,10 +137,11 @@ pub(crate) fn column(
 }
 
 /// What a name means that ends in no unit.
-fn whole_name(name: &str) -> Option<Meaning> {
+fn whole_name(name: &str, kinds: &ConditionTable) -> Option<Meaning> {
+    let clock = name.strip_suffix("_utc").and_then(|n| kinds.of(n)).is_some_and(|kind| kind.role == Role::Clock);
     match name {
         "id" => Some(Meaning::Id),
-        "time_utc" => Some(Meaning::Clock),
+        _ if clock => Some(Meaning::Clock),
         _ => ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name).map(Meaning::Quaternion),
     }
 }
@@ -149,13 +158,15 @@ fn check_leg(base: &str, joints: &[JointSpec]) -> Result<(), String> {
     Err(format!("the mechanism has legs 1 to {}; correct the number or delete the column", joints.len()))
 }
 
-fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
+fn missing_unit(name: &str, base: &str, dimension: Dimension, kinds: &ConditionTable) -> String {
     let choices = dimension.choices();
     let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
-    let stem = if name == base {
-        name.rsplit_once('_').map_or(name, |(s, _)| if s == "cmd" || s == "sigma" || s == "temp" { name } else { s })
-    } else {
-        base
+    // What follows the last underscore is a unit that is none of ours, unless it belongs to the name.
+    let whole = |stem: &str| matches!(stem, "cmd" | "sigma") || kinds.of(name).is_some() && kinds.of(stem).is_none();
+    let stem = match name.rsplit_once('_') {
+        Some((stem, _)) if name == base && !whole(stem) => stem,
+        _ if name == base => name,
+        _ => base,
     };
     format!("the name must end in a unit ({choices}), such as '{stem}_{first}'")
 }

@@ -1,43 +1,41 @@
 //! Measurement files.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use crate::conditions::Conditions;
-use crate::effect::{ActiveEffect, WithInstrumentEffects};
+use crate::effect::WithInstrumentEffects;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
+use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds::pose;
+use crate::files::readings::kind::{ReadingKind, Readings};
+use crate::files::readings::{KINDS, reading_columns};
 use crate::files::table::column::Meaning;
-use crate::files::table::readings::{contact_readings, pose_readings, target_readings};
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
-use crate::measurement::{Dataset, MeasurementModel, Noise, PlaneContact, PoseMeasurement, Sample, TargetMeasurement};
+use crate::identification::Estimate;
+use crate::measurement::{DataRow, Dataset, Noise, Sample};
 use crate::mechanism::{KinematicsError, characteristic_length};
 use crate::units::Dimension;
 
 /// A measurement file, read.
 #[derive(Debug)]
 pub struct Measurement {
-    /// Samples, readings and noise, seen through the instrument of the mechanism file.
+    /// Samples, readings and noise, seen through the effects of the mechanism file on the measurement
+    /// ([`Machine::instrument`]).
     pub data: Dataset,
-    /// The targets, if points were measured.
-    pub targets: Option<Arc<TargetMeasurement>>,
-    /// The heights over a plane, if they were measured.
-    pub contacts: Option<Arc<PlaneContact>>,
-    /// The same data without the effects of the mechanism file on the measurement.
-    pub as_read: Dataset,
-    /// The effects of the mechanism file through which the readings are seen.
-    pub instrument: Vec<ActiveEffect>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// What was measured.
+    pub(crate) kind: &'static dyn ReadingKind,
 }
 
 impl Measurement {
-    /// The effects on the measurement with these values of the own parameters of the data.
-    pub fn located(&self, own: &[f64]) -> Vec<ActiveEffect> {
-        let count = self.instrument.iter().map(|e| e.values.len()).sum();
-        ActiveEffect::with_values(&self.instrument, own[own.len().saturating_sub(count)..].iter().copied())
+    /// Puts what was identified with the measurement into the file of the machine: places of targets, the plane. `own` are
+    /// the parameters of the data, those of effects on the measurement last.
+    pub fn put_identified(&self, machine: &Machine, own: &[Estimate], document: &mut MechanismDocument) {
+        let of_effects: usize = machine.instrument().iter().map(|e| e.values.len()).sum();
+        self.kind.put_identified(machine, &own[..own.len().saturating_sub(of_effects)], document);
     }
 }
 
@@ -47,52 +45,56 @@ impl Measurement {
 /// [`FileError`] naming row, column and what to do.
 pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Measurement, FileError> {
     let path = path.as_ref();
-    let names: Vec<String> = machine.targets.iter().map(|t| t.name.clone()).collect();
-    let table = Table::read(path, machine, &names)?;
+    let table = Table::read(path, machine, &reading_columns(Some(machine)))?;
     let mut warnings = Vec::new();
     let samples = samples(&table, machine, &mut warnings)?;
     let mut noise = machine.noise.unwrap_or_else(|| Noise::unknown(characteristic_length(machine.mechanism.as_ref())));
-    let has = |test: fn(&Meaning) -> bool| table.columns.iter().any(|c| test(&c.meaning));
-    let poses = has(|m| matches!(m, Meaning::Pose(_) | Meaning::Quaternion(_)));
-    let targets = has(|m| matches!(m, Meaning::Target(..)));
-    let contacts = has(|m| matches!(m, Meaning::Contact));
-    let problem = |problem: &str| FileError::Header { path: path.into(), problem: problem.into() };
-    if !contacts && has(|m| matches!(m, Meaning::SigmaContact)) {
-        return Err(problem("has sigma_contact_… without a column contact_…; add it or delete the sigma"));
+    let problem = |problem: String| FileError::Header { path: path.into(), problem };
+    let kind = kind_of(&table).map_err(problem)?;
+    let Readings { model, every_sigma } = kind.read(&table, machine, &noise)?;
+    if (0..model.samples()).all(|k| model.rows(k).is_empty()) {
+        let noun = kind.noun().trim_start_matches("a ");
+        return Err(problem(format!("no cell of the {noun} is filled; there is nothing to compare with")));
     }
-    let (mut measured_targets, mut measured_contacts) = (None, None);
-    let model: Arc<dyn MeasurementModel> = match (poses, targets, contacts) {
-        (true, true, _) => return Err(problem("has both a measured pose and measured targets; keep one of them")),
-        (true, _, true) => return Err(problem("has both a measured pose and measured contacts; keep one of them")),
-        (_, true, true) => return Err(problem("has both measured targets and measured contacts; keep one of them")),
-        (false, false, false) => {
-            return Err(problem(
-                "has no measured column; expected x_mm … rz_deg, or p1x_mm p1y_mm p1z_mm …, or contact_mm",
-            ));
+    // Noise that the mechanism file does not state is known if the sigma columns state it for every reading.
+    if !noise.known && table.columns.iter().any(|c| states_sigma(&c.meaning)) {
+        if !every_sigma {
+            let part = "states sigma for a part of the readings, and the mechanism file has no [noise] for the rest";
+            return Err(problem(part.into()));
         }
-        (true, ..) => {
-            let readings = pose_readings(&table, machine, &mut noise)?;
-            if readings.iter().all(|r| !r.measured.contains(&true)) {
-                return Err(problem("no cell of the measured pose is filled; there is nothing to compare with"));
-            }
-            Arc::new(PoseMeasurement::new(machine.convention, readings))
-        }
-        (_, true, _) => {
-            let targets = Arc::new(target_readings(&table, machine, &mut noise)?);
-            measured_targets = Some(Arc::clone(&targets));
-            targets
-        }
-        (_, _, true) => {
-            let contacts = Arc::new(PlaneContact::new(machine.contact, contact_readings(&table, &mut noise)?));
-            measured_contacts = Some(Arc::clone(&contacts));
-            contacts
-        }
-    };
-    let as_read = Dataset::new(samples, model, noise);
-    let data = WithInstrumentEffects::wrap(&as_read, machine.plain(), &machine.environment, &machine.instrument)
+        noise.known = true;
+    }
+    let data = Dataset::new(samples, model, noise);
+    let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
-    let instrument = machine.instrument.clone();
-    Ok(Measurement { data, as_read, targets: measured_targets, contacts: measured_contacts, instrument, warnings })
+    Ok(Measurement { data, warnings, kind })
+}
+
+fn states_sigma(meaning: &Meaning) -> bool {
+    matches!(meaning, Meaning::Sigma(_)) || matches!(meaning, Meaning::Reading(c) if c.sigma)
+}
+
+/// The kind of reading that a table holds.
+fn kind_of(table: &Table) -> Result<&'static dyn ReadingKind, String> {
+    let measured = |kind: &&dyn ReadingKind| table.columns.iter().any(|c| kind.measures(&c.meaning));
+    for column in &table.columns {
+        if let Meaning::Reading(c) = &column.meaning
+            && c.sigma
+            && !KINDS.iter().any(|kind| kind.name() == c.kind && measured(kind))
+        {
+            let quantity = &c.quantity;
+            return Err(format!("has sigma_{quantity}_… without a column {quantity}_…; add it or delete the sigma"));
+        }
+    }
+    let mut found = KINDS.into_iter().filter(measured);
+    match (found.next(), found.next()) {
+        (Some(kind), None) => Ok(kind),
+        (Some(kind), Some(other)) => Err(format!("has both {} and {}; keep one of them", kind.noun(), other.noun())),
+        (None, _) => {
+            let examples: Vec<&str> = KINDS.iter().map(|kind| kind.example()).collect();
+            Err(format!("has no measured column; expected {}", examples.join(", or ")))
+        }
+    }
 }
 
 /// Labels, joints and operating states.
@@ -148,6 +150,6 @@ fn samples(table: &Table, machine: &Machine, warnings: &mut Vec<String>) -> Resu
     }
     Conditions::put_in_run(&mut states, commands.clone(), machine.environment.home_joints.as_deref());
     let label = |row: usize| id.map(|k| table.rows[row].1[k].clone()).filter(|t| !t.is_empty());
-    let sample = |(row, (joints, conditions))| Sample { id: label(row), row, joints, conditions };
+    let sample = |(row, (joints, conditions))| Sample { id: label(row), row: DataRow(row), joints, conditions };
     Ok(commands.into_iter().zip(states).enumerate().map(sample).collect())
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
+use crate::files::readings::reading_columns;
 use crate::files::table::column::{Meaning, POSE_NAMES, pose_dimension};
 use crate::files::table::states::States;
 use crate::files::table::text_table::{Table, no_data_row, read_cells};
@@ -50,7 +51,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
 /// As [`read_poses`].
 pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseList, FileError> {
     let path = path.as_ref();
-    let table = Table::read(path, machine, &[])?;
+    let table = Table::read(path, machine, &reading_columns(None))?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };

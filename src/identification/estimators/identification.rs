@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
+use crate::measurement::DataRow;
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
 use crate::solve::{Convergence, IterationRecord};
@@ -43,8 +44,8 @@ pub struct Identification {
     pub misfit: GoodnessOfFit,
     /// Weight of each sample; below one only in robust fits.
     pub weights: Vec<f64>,
-    /// Samples (positions in the data) that a robust fit judges to be gross errors.
-    pub outliers: Vec<usize>,
+    /// Data rows that a robust fit judges to be gross errors.
+    pub outliers: Vec<DataRow>,
     /// Predicted pose of each sample, base frame.
     pub poses: Vec<Pose>,
 }
@@ -64,6 +65,18 @@ impl Identification {
     pub fn mechanism_covariance(&self) -> DMatrix<f64> {
         let n = self.mechanism_parameters;
         self.covariance.view((0, 0), (n, n)).into_owned()
+    }
+
+    /// The `most` pairs of parameters that are most correlated, by name.
+    pub fn strongest_correlations(&self, most: usize) -> Vec<(&str, &str, f64)> {
+        let correlation = self.correlation();
+        let name = |k: usize| self.parameters[k].spec.name.as_str();
+        let n = self.parameters.len();
+        let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+        let mut pairs: Vec<_> = pairs.map(|(i, j)| (name(i), name(j), correlation[(i, j)])).collect();
+        pairs.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        pairs.truncate(most);
+        pairs
     }
 
     /// Correlation of every two parameters; 0 where one is not determined.

@@ -163,7 +163,7 @@ fn solve(
     let mut problem = CalibrationProblem::new(task, prior, noise_scale)?;
     let finish = |problem: &CalibrationProblem<'_>, solution: &LeastSquaresSolution| {
         let weights = vec![1.0; task.data.len()];
-        Identification::from_solution(task, problem, solution, noise_scale, weights, Vec::new())
+        Identification::from_solution(task, problem, solution, noise_scale, weights, &[])
     };
     let start = problem.start();
     match least_squares(&mut problem, start, method, options) {

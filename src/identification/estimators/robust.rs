@@ -8,6 +8,7 @@ use crate::identification::estimators::identification::Identification;
 use crate::identification::estimators::identifiers::{Identifier, choose_prior};
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::task::{Task, Weights};
+use crate::measurement::SamplePosition;
 use crate::solve::{
     IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
     linearized, with_unit_columns,
@@ -187,11 +188,12 @@ impl Robust {
         let level = OUTLIER_LEVEL / task.data.len() as f64;
         let gross = |(k, d): (usize, &Distance)| {
             let limit = ChiSquared::new(d.rows as f64).map_or(f64::INFINITY, |chi| chi.inverse_cdf(1.0 - level));
-            (d.length.powi(2) > limit).then_some(k)
+            (d.length.powi(2) > limit).then_some(SamplePosition(k))
         };
-        let outliers = distances(&mut problem, &solution, weights)?.iter().enumerate().filter_map(gross).collect();
+        let outliers: Vec<SamplePosition> =
+            distances(&mut problem, &solution, weights)?.iter().enumerate().filter_map(gross).collect();
         problem.weigh_samples(weights);
-        let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), outliers)?;
+        let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), &outliers)?;
         found.history = history;
         match failure {
             None => Ok(found),

@@ -6,13 +6,15 @@ use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::prior::Prior;
 use crate::identification::task::{Task, Weights};
+use crate::measurement::SamplePosition;
 use crate::mechanism::ParameterSpec;
 use crate::solve::{LeastSquaresSolution, pseudo_inverse};
 
 impl Identification {
     /// Puts a solution of `problem` together with its covariance and misfit.
     ///
-    /// `noise_scale` is the σ of the readings over the stated one that the covariance is stated for.
+    /// `noise_scale` is the σ of the readings over the stated one that the covariance is stated for; `outliers` are the
+    /// samples that are left out of the test of the residuals.
     ///
     /// # Errors
     /// [`IdentifyError`] if the rows cannot be evaluated at the solution.
@@ -22,7 +24,7 @@ impl Identification {
         solution: &LeastSquaresSolution,
         noise_scale: f64,
         weights: Vec<f64>,
-        outliers: Vec<usize>,
+        outliers: &[SamplePosition],
     ) -> Result<Self, IdentifyError> {
         let n = solution.x.len();
         let (pseudo_inverse, mut rank, mut determined) = pseudo_inverse(&solution.jacobian);
@@ -41,7 +43,7 @@ impl Identification {
                 problem.covariance_through(&pseudo_inverse) * noise_scale.powi(2)
             }
         };
-        let misfit = match GoodnessOfFit::at(task, &solution.x, problem.poses(), &outliers) {
+        let misfit = match GoodnessOfFit::at(task, &solution.x, problem.poses(), outliers) {
             // Data that were misread can lead to a model that does not reach its own samples.
             Err(IdentifyError::Solve(_)) => GoodnessOfFit::beyond_measure(task),
             other => other?,
@@ -72,7 +74,7 @@ impl Identification {
             noise_scale,
             misfit,
             weights,
-            outliers,
+            outliers: outliers.iter().map(|k| task.data.row(*k)).collect(),
             poses: problem.poses().to_vec(),
         })
     }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector6};
 
 use crate::identification::error::IdentifyError;
 use crate::identification::judgement::samples::each_sample;
-use crate::measurement::{Dataset, RowKind, Rows};
+use crate::measurement::{DataRow, Dataset, RowKind, Rows};
 use crate::mechanism::{Mechanism, MotionBlock, characteristic_length};
 use crate::pose::Pose;
 use crate::solve::minimum_norm;
@@ -12,8 +12,8 @@ use crate::solve::minimum_norm;
 /// What one sample misses the model by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
-    /// 0-based data row.
-    pub row: usize,
+    /// The sample.
+    pub row: DataRow,
     /// The pose that the model predicts, base frame.
     pub pose: Pose,
     /// The smallest motion `(δt, δω)` from the predicted platform to the measured one, m and rad in base axes. Directions that

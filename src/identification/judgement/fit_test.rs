@@ -6,6 +6,7 @@ use crate::identification::error::IdentifyError;
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::task::{Task, Weights};
+use crate::measurement::SamplePosition;
 use crate::pose::Pose;
 use crate::solve::{linearized, with_unit_columns};
 
@@ -15,10 +16,10 @@ impl GoodnessOfFit {
         task: &Task<'_>,
         x: &DVector<f64>,
         poses: &[Pose],
-        left_out: &[usize],
+        left_out: &[SamplePosition],
     ) -> Result<Self, IdentifyError> {
         let weighted = Task { weights: Weights::Noise, ..*task };
-        let kept: Vec<usize> = (0..task.data.len()).filter(|k| !left_out.contains(k)).collect();
+        let kept: Vec<usize> = (0..task.data.len()).filter(|k| !left_out.contains(&SamplePosition(*k))).collect();
         let data = task.data.subset(&kept);
         let mut problem = CalibrationProblem::new(&Task { data: &data, ..weighted }, None, 1.0)?;
         problem.start_from(kept.iter().map(|k| poses[*k]));

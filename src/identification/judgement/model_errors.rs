@@ -3,14 +3,14 @@
 use crate::identification::error::IdentifyError;
 use crate::identification::judgement::deviations::Deviation;
 use crate::identification::judgement::samples::each_sample;
-use crate::measurement::{Dataset, RowKind};
+use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
 
 /// Error of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleError {
-    /// 0-based data row.
-    pub row: usize,
+    /// The sample.
+    pub row: DataRow,
     /// Length of the position error, m (RMS over the targets if there are several); `None` if no position was
     /// measured.
     pub position: Option<f64>,
@@ -20,7 +20,7 @@ pub struct SampleError {
 
 impl SampleError {
     /// From the rows of a reading, predicted minus measured or the other way round.
-    fn of(row: usize, readings: &[(RowKind, f64)]) -> Self {
+    fn of(row: DataRow, readings: &[(RowKind, f64)]) -> Self {
         let sum = |kind: RowKind| {
             let squares: Vec<f64> = readings.iter().filter(|(k, _)| *k == kind).map(|(_, r)| r * r).collect();
             (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / (squares.len() / 3).max(1) as f64).sqrt())

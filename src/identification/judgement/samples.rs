@@ -18,8 +18,7 @@ pub(crate) fn each_sample<T>(
     let own = if own.len() == count { own.to_vec() } else { own_start(data, &poses) };
     let sample = |(k, pose): (usize, &Pose)| {
         let mut rows = Rows::sized(data.rows(k).len(), count);
-        let (model, index) = data.reading(k);
-        model.evaluate(index, pose, &data.frames, &own, &mut rows);
+        data.evaluate(k, pose, &own, &mut rows);
         look(k, pose, &rows)
     };
     Ok(poses.iter().enumerate().map(sample).collect())

@@ -1,7 +1,7 @@
 //! May the result be used? What speaks against it, and what the user should know.
 
 use crate::identification::estimators::identification::Identification;
-use crate::measurement::Dataset;
+use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 use crate::units::{shortened, show_probability};
 
@@ -70,7 +70,7 @@ pub(crate) fn judge(
         warnings.push(format!("joints outside their stroke in data row {}", shortened(&outside)));
     }
     if !found.outliers.is_empty() {
-        let rows: Vec<String> = found.outliers.iter().map(|k| data.sample(*k).row.to_string()).collect();
+        let rows: Vec<String> = found.outliers.iter().map(DataRow::to_string).collect();
         warnings.push(format!("gross errors in data row {}; they were given no or little weight", shortened(&rows)));
     }
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }

@@ -89,8 +89,7 @@ impl<'a> CalibrationProblem<'a> {
     }
 
     fn covariance_of(&mut self, k: usize) -> Result<DMatrix<f64>, IdentifyError> {
-        let (model, index) = self.data.reading(k);
-        let mut covariance = model.covariance(index, &self.data.frames);
+        let mut covariance = self.data.covariance(k);
         let joint = self.data.noise.joint;
         if joint > 0.0 {
             // The closure residual has covariance J1 Σq J1ᵀ + Jj Σj Jjᵀ; seen from the reading the second term
@@ -211,13 +210,12 @@ impl<'a> CalibrationProblem<'a> {
         let pose = forward(&self.poses[k]).or_else(|cause| forward(&self.first_poses[k]).map_err(|_| cause))?;
         self.poses[k] = pose;
         self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
-        let (model, index) = self.data.reading(k);
         let n = self.kinds[k].len() - self.redundancy.as_ref().map_or(0, Redundancy::rows);
         if self.rows.residual.len() != n {
             self.rows = Rows::sized(n, own.len());
         }
         self.rows.clear();
-        model.evaluate(index, &pose, &self.data.frames, own, &mut self.rows);
+        self.data.evaluate(k, &pose, own, &mut self.rows);
         if let Some(extra) = &mut self.redundancy {
             extra.evaluate(self.mechanism, c, k, sample, &pose);
         }

@@ -4,6 +4,7 @@ use super::page::{Page, Part, Section, Tone, known};
 use super::pictures::{Layer, ModelResiduals, correlation, deviations, gross, strips};
 use super::{Measured, Subject};
 use crate::identification::{Calibration, ModelErrors, SampleError};
+use crate::measurement::DataRow;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
 use crate::units::{shortened, show_angle, show_length};
@@ -12,11 +13,10 @@ use crate::units::{shortened, show_angle, show_length};
 const NEXT: &str = "command with the calibrated file (`paracal compensate`), and ask `paracal diagnose` what the data still hold \
                     that is not geometry.";
 
-/// A calibration. `printed` is what the command prints; `measured` holds the data through the calibrated mechanism, then
-/// through the one that was given.
-pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
+/// A calibration; `measured` holds the data through the calibrated mechanism, then through the one that was given.
+pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
     let found = &c.identification;
-    let summary = printed.lines().last().unwrap_or_default();
+    let summary = text::result_line(c);
     let (verdict, tone) = match (c.verdict.trusted, c.verdict.warnings.is_empty()) {
         (true, true) => ("The result can be trusted", Tone::Good),
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
@@ -31,7 +31,7 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
     let mut sections = vec![Section { id: "errors", title: "Where it was wrong, and what is left", parts: errors }];
     if let Some(calibrated) = measured.models.first() {
         let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
-        let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
+        let strips = strips(measured.data, subject, &layers, &marked, &[]);
         let parts = strips.into_iter().map(Part::picture).collect();
         sections.push(Section { id: "legs", title: "What is left, leg by leg", parts });
     }
@@ -47,7 +47,7 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
     parameters.extend(correlation(&found.parameters, &found.correlation()).map(Part::picture));
     sections.push(Section { id: "parameters", title: "Parameters", parts: parameters });
     sections.push(Section { id: "convergence", title: "Convergence", parts: vec![Part::picture(convergence(c))] });
-    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(printed.to_owned())] });
+    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::calibration(c))] });
     let mut lead: Vec<String> = c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect();
     lead.push(format!("What to do: {}", if c.verdict.trusted { NEXT } else { text::WHAT_IS_WRONG }));
     Page {
@@ -62,7 +62,7 @@ pub fn calibration(c: &Calibration, printed: &str, subject: &Subject<'_>, measur
 }
 
 /// The numbers of the first screen, without gross rows.
-fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[usize]) -> Vec<(String, String)> {
+fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[DataRow]) -> Vec<(String, String)> {
     let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
     let rms = |k: usize| {
         let usual = |s: &&SampleError| !marked.contains(&s.row);
@@ -70,7 +70,7 @@ fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[usize]) -> Vec<
         ModelErrors { samples: samples.unwrap_or_default() }.rms()
     };
     let (after, before) = (rms(0), rms(1));
-    let rows: Vec<String> = marked.iter().map(usize::to_string).collect();
+    let rows: Vec<String> = marked.iter().map(DataRow::to_string).collect();
     let numbers = [
         ("position error, as it was given", before.position.map(show_length)),
         ("position error, calibrated", after.position.map(show_length)),

@@ -24,7 +24,8 @@ pub use selection::selection;
 
 use pictures::{Displacements, by_row, drawing, histograms, maps};
 
-use crate::measurement::{Dataset, RowKind};
+use crate::conditions::ConditionTable;
+use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
@@ -35,6 +36,8 @@ pub struct Subject<'a> {
     pub mechanism: &'a dyn Mechanism,
     /// How poses are written.
     pub convention: &'a PoseConvention,
+    /// What the covariates of the data mean.
+    pub condition_kinds: &'a ConditionTable,
     /// Stated noise of one component of a position and of one angle, m and rad.
     pub noise: Option<[f64; 2]>,
     /// What the command warned of.
@@ -57,7 +60,7 @@ impl Subject<'_> {
 
 impl Measured<'_> {
     /// Where the models are wrong and by how much; `marked` rows look like gross errors.
-    fn pictures(&self, subject: &Subject<'_>, marked: &[usize]) -> Vec<Part> {
+    fn pictures(&self, subject: &Subject<'_>, marked: &[DataRow]) -> Vec<Part> {
         let models: Vec<&ModelResiduals> = self.models.iter().collect();
         let noise = self.noise(subject.noise);
         let mut pictures = vec![
@@ -77,8 +80,7 @@ impl Measured<'_> {
     fn noise(&self, stated: Option<[f64; 2]>) -> Option<[f64; 2]> {
         let stated = stated?;
         let as_stated = |k: usize| {
-            let (model, index) = self.data.reading(k);
-            let covariance = model.covariance(index, &self.data.frames);
+            let covariance = self.data.covariance(k);
             let sigma = |kind: &RowKind| stated[usize::from(*kind == RowKind::Rotation)];
             let rows = self.data.rows(k);
             rows.iter().enumerate().all(|(i, kind)| (covariance[(i, i)].sqrt() / sigma(kind) - 1.0).abs() < 1e-6)

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{errors, motion, real};
+use super::{errors, motion, real, rows};
 use crate::diagnosis::{Cause, Diagnosis, Unknown};
 use crate::effect::ActsOn;
 use crate::pose::Pose;
@@ -24,7 +24,7 @@ pub fn diagnosis(d: &Diagnosis) -> Value {
         "misread": d.misread.as_ref().map(|m| json!({
             "reading": m.reading, "detail": m.detail, "factor": real(m.factor), "tied_with": m.tied_with,
         })),
-        "outlier_rows": d.outlier_rows,
+        "outlier_rows": rows(&d.outlier_rows),
         "noise_varies": d.noise_varies.as_ref().map(|n| json!({
             "covariate": n.covariate, "ratio": real(n.ratio), "p_value": real(n.p_value),
         })),

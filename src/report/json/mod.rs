@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::measurement::DataRow;
 use crate::mechanism::ParameterRole;
 use crate::observability::PredictedError;
 use crate::pose::Pose;
@@ -25,6 +26,11 @@ fn real(value: f64) -> Value {
 /// `{position_m, rotation_rad}`.
 pub fn errors(e: &ErrorSummary) -> Value {
     json!({ "position_m": e.position.map(real), "rotation_rad": e.rotation.map(real) })
+}
+
+/// Numbers of data rows.
+fn rows(rows: &[DataRow]) -> Vec<usize> {
+    rows.iter().map(|row| row.0).collect()
 }
 
 fn motion(pose: &Pose) -> Value {
@@ -55,8 +61,11 @@ fn predicted(p: &PredictedError) -> Value {
     })
 }
 
+/// Pairs of correlated parameters that are listed.
+const CORRELATIONS: usize = 10;
+
 /// The object of `calibrate`.
-pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, String, f64)]) -> Value {
+pub fn calibration(c: &Calibration) -> Value {
     let found = &c.identification;
     let own = &c.parameters[found.mechanism_parameters..];
     let history: Vec<Value> = found
@@ -64,9 +73,11 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
         .iter()
         .map(|h| json!({ "cost": real(h.cost), "step": real(h.step), "damping": real(h.damping) }))
         .collect();
-    let outliers: Vec<usize> = found.outliers.clone();
+    let pairs = found.strongest_correlations(CORRELATIONS);
+    let pair = |(a, b, r): &(&str, &str, f64)| json!({ "first": a, "second": b, "correlation": r });
+    let correlations: Vec<Value> = pairs.iter().map(pair).collect();
     json!({
-        "identifier": identifier,
+        "identifier": c.identifier,
         "converged": c.converged,
         "convergence": if c.converged { json!(found.convergence.text()) } else { Value::Null },
         "iterations": found.history.len(),
@@ -74,7 +85,7 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
         "samples": found.poses.len(),
         "parameters": c.parameters[..found.mechanism_parameters].iter().map(estimate).collect::<Vec<_>>(),
         "measurement_parameters": own.iter().map(estimate).collect::<Vec<_>>(),
-        "correlations": correlations.iter().map(|(a, b, r)| json!({ "first": a, "second": b, "correlation": r })).collect::<Vec<_>>(),
+        "correlations": correlations,
         "rms_before": errors(&c.before),
         "rms_after": errors(&c.after),
         "held_out": c.held_out.as_ref().map(|h| errors(&h.rms)),
@@ -96,7 +107,7 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
         "implausible": c.plausibility.implausible.iter().map(|p| json!({
             "name": p.name, "deviation": real(p.deviation), "tolerance": real(p.tolerance), "unit": p.dimension.si(),
         })).collect::<Vec<_>>(),
-        "outlier_rows": outliers,
+        "outlier_rows": rows(&found.outliers),
         "trusted": c.verdict.trusted,
         "reasons": c.verdict.reasons,
         "warnings": c.verdict.warnings,
@@ -105,7 +116,7 @@ pub fn calibration(c: &Calibration, identifier: &str, correlations: &[(String, S
 
 /// The object of `evaluate`.
 pub fn evaluation(e: &ModelErrors) -> Value {
-    let row = |s: &crate::identification::SampleError| json!({ "row": s.row, "position_m": s.position.map(real), "rotation_rad": s.rotation.map(real) });
+    let row = |s: &crate::identification::SampleError| json!({ "row": s.row.0, "position_m": s.position.map(real), "rotation_rad": s.rotation.map(real) });
     json!({
         "rows": e.samples.len(),
         "rms": errors(&e.rms()),

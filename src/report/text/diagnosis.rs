@@ -4,6 +4,7 @@ use super::settlement::limit_table;
 use super::{errors_row, table};
 use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
+use crate::measurement::DataRow;
 use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
@@ -20,7 +21,7 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
     }
     text += &format!("\n{}", errors_text(d));
     if !d.outlier_rows.is_empty() {
-        let rows: Vec<String> = d.outlier_rows.iter().map(usize::to_string).collect();
+        let rows: Vec<String> = d.outlier_rows.iter().map(DataRow::to_string).collect();
         text += &format!("\ngross errors, left out: data rows {}\n", shortened(&rows));
     }
     if let Some(n) = &d.noise_varies {

@@ -126,18 +126,16 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
 }
 
 /// What `calibrate` prints; the last line is the result in one sentence.
-pub fn calibration(c: &Calibration, title: &str, kind: &str, identifier: &str) -> String {
+pub fn calibration(c: &Calibration) -> String {
     let found = &c.identification;
     let n = found.mechanism_parameters;
     let samples = found.poses.len();
     let prior = if found.prior { "tolerances as prior" } else { "no prior" };
-    let mut text = format!("{title}\n{samples} samples ({kind}), {identifier}, {prior}\n\n");
+    let title = c.mechanism.name();
+    let mut text = format!("{title}\n{samples} samples ({}), {}, {prior}\n\n", c.measurement, c.identifier);
     text += &parameter_table(&found.parameters[..n]);
     if found.parameters.len() > n {
-        // Three coordinates for each target; any other measurement has parameters of its own kind.
-        let points =
-            found.parameters[n..].chunks(3).all(|p| p.iter().zip("xyz".chars()).all(|(p, c)| p.spec.name.ends_with(c)));
-        text += if points { "\nIdentified target coordinates\n" } else { "\nIdentified with the measurement\n" };
+        text += &format!("\n{}\n", c.nuisance_heading);
         text += &parameter_table(&found.parameters[n..]);
     }
     text += "\n";
@@ -218,7 +216,8 @@ fn weak_directions(c: &Calibration) -> String {
     text
 }
 
-fn result_line(c: &Calibration) -> String {
+/// The result in one sentence.
+pub(in crate::report) fn result_line(c: &Calibration) -> String {
     let measured = |e: &ErrorSummary| match (e.position, e.rotation) {
         (Some(p), _) => show_length(p),
         (None, Some(r)) => show_angle(r),

@@ -54,7 +54,7 @@ pub fn said(d: &Diagnosis) -> String {
     parts.extend(d.misread.as_ref().map(|m| format!("{}: {}", m.reading, m.detail)));
     parts.extend(d.noise_varies.as_ref().map(|n| format!("noise over {}", n.covariate)));
     if !d.outlier_rows.is_empty() {
-        parts.push(format!("outliers {:?}", d.outlier_rows));
+        parts.push(format!("outliers {:?}", d.outlier_rows.iter().map(|row| row.0).collect::<Vec<_>>()));
     }
     format!("{}: {}", d.verdict.word(), parts.join("; "))
 }

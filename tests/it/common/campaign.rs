@@ -2,7 +2,7 @@
 
 use super::{machine, paper_noise, true_mechanism, workspace};
 use paracal::identification::{CalibrationProblem, Identifier, LevenbergMarquardt, PriorPolicy, Task};
-use paracal::measurement::{Dataset, Sample};
+use paracal::measurement::{DataRow, Dataset, Sample};
 use paracal::mechanism::{Mechanism, Workspace};
 use paracal::nalgebra::{DMatrix, DVector};
 use paracal::pose::Pose;
@@ -33,7 +33,11 @@ pub fn campaign_of(nominal: Box<dyn Mechanism>, truth: Box<dyn Mechanism>, poses
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     let wanted: Vec<Pose> = (0..poses).map(|_| space.random(&mut rng)).collect();
     let run = simulate(nominal.as_ref(), truth.as_ref(), &wanted, &space.convention, &paper_noise(), &mut rng).unwrap();
-    let sample = |(row, s): (usize, &SimulatedSample)| Sample { row, joints: s.joints.clone(), ..Sample::default() };
+    let sample = |(row, s): (usize, &SimulatedSample)| Sample {
+        row: DataRow(row),
+        joints: s.joints.clone(),
+        ..Sample::default()
+    };
     let samples = run.iter().enumerate().map(sample).collect();
     Campaign { nominal, truth, space, samples, run }
 }

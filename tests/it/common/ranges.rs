@@ -1,7 +1,7 @@
 //! A kind of measurement from outside the crate: ranges from fixed stations to points of the platform, as a
 //! multilateration system reports them, with an offset of the range meter that is identified.
 
-use paracal::measurement::{Frames, MeasurementModel, PointReading, RowKind, Rows};
+use paracal::measurement::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample};
 use paracal::mechanism::{ParameterRole, ParameterSpec};
 use paracal::nalgebra::{DMatrix, Vector3};
 use paracal::pose::Pose;
@@ -63,8 +63,8 @@ impl MeasurementModel for Ranges {
     fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.own
     }
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
-        for (row, ((station, point), measured)) in self.pairs().zip(&self.readings[sample]).enumerate() {
+    fn evaluate(&self, index: usize, _: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+        for (row, ((station, point), measured)) in self.pairs().zip(&self.readings[index]).enumerate() {
             let arm = pose.rotation * point;
             let sight = frames.base.place(&(pose.position + arm)) - station;
             let along = frames.base.rotation.inverse() * sight.normalize();

@@ -13,6 +13,7 @@ use crate::common::hidden::run::{Row, Run, Weather, normal};
 use crate::common::hidden::text::Sheet;
 use crate::common::hidden::unlisted_effects;
 use paracal::diagnosis::{Cause, Diagnosis, JointResiduals, MeasurementPlan, Verdict, settle};
+use paracal::measurement::DataRow;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 
@@ -74,6 +75,10 @@ fn gained(found: &Diagnosis) -> Vec<String> {
     unless(after <= 1.10 && before > 1.2 * after, format!("held out {before:.3} -> {after:.3} floors"))
 }
 
+fn rows(rows: &[DataRow]) -> Vec<usize> {
+    rows.iter().map(|row| row.0).collect()
+}
+
 #[test]
 fn each_effect_is_named_with_its_place_and_its_size() {
     examine(Kind::One(4.0), 0..CATALOGUE.len(), |truth, found| {
@@ -133,16 +138,16 @@ fn nothing_is_found_where_nothing_is_hidden() {
 #[test]
 fn gross_errors_are_found_and_no_good_row() {
     examine(Kind::Outliers(0.05), 0..4, |truth, found| {
-        unless(found.verdict == Verdict::Clean && found.outlier_rows == truth.outlier_rows, "rows")
+        unless(found.verdict == Verdict::Clean && rows(&found.outlier_rows) == truth.outlier_rows, "rows")
     });
     examine(Kind::OneWithOutliers(4.0), [2, 9, 16], |truth, found| {
         let named = found.causes.first().is_some_and(|c| c.effect == truth.effects[0]);
-        let left_out: Vec<usize> = found.residuals.iter().filter(|r| r.left_out).map(|r| r.row).collect();
+        let left_out: Vec<DataRow> = found.residuals.iter().filter(|r| r.left_out).map(|r| r.row).collect();
         let size = |r: &&JointResiduals| r.after.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         let far = found.residuals.iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap();
         [
             unless(named, "name"),
-            unless(found.outlier_rows == truth.outlier_rows && left_out == truth.outlier_rows, "rows"),
+            unless(rows(&found.outlier_rows) == truth.outlier_rows && rows(&left_out) == truth.outlier_rows, "rows"),
             unless(far.left_out, "the farthest row of the strips"),
         ]
         .concat()

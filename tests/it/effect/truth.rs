@@ -6,7 +6,7 @@ use crate::common::effects::{entries, hexapod, moves, pose_beside_home, position
 use paracal::conditions::Conditions;
 use paracal::effect::{Compensator, EffectContext, seen};
 use paracal::files::{EffectEntry, Machine};
-use paracal::measurement::{Dataset, Frames, Noise, PoseMeasurement, Rows, Sample};
+use paracal::measurement::{Dataset, Noise, PoseMeasurement, Rows, Sample};
 use paracal::mechanism::{Body, Mechanism, MotionBlock};
 use paracal::nalgebra::{Rotation3, Unit, Vector3, Vector6};
 use paracal::pose::{Pose, PoseConvention};
@@ -131,7 +131,7 @@ fn readings_per_parameter_are_those_of_the_instrument() {
         let own = wrapped.model().nuisance_parameters().len();
         let evaluate = |values: &[f64]| {
             let mut rows = Rows::sized(6, own);
-            wrapped.model().evaluate(0, &pose, &Frames::default(), values, &mut rows);
+            wrapped.evaluate(0, &pose, values, &mut rows);
             rows
         };
         let values = effects[0].values.clone();

@@ -9,7 +9,7 @@ use paracal::conditions::Conditions;
 use paracal::effect::{ActiveEffect, Environment, Extended, effects_of};
 use paracal::files::{EffectEntry, Machine, read_measurement};
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, calibrate, evaluate};
-use paracal::measurement::{Dataset, Frames, Noise, PoseMeasurement, Sample};
+use paracal::measurement::{DataRow, Dataset, Frames, Noise, PoseMeasurement, Sample};
 use paracal::pose::{Pose, PoseConvention};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -154,7 +154,7 @@ fn campaign(machine: &Machine, truth: &Extended, count: usize) -> (Vec<Sample>, 
         .into_iter()
         .zip(states)
         .enumerate()
-        .map(|(row, (joints, conditions))| Sample { id: None, row, joints, conditions })
+        .map(|(row, (joints, conditions))| Sample { id: None, row: DataRow(row), joints, conditions })
         .collect();
     let went = |(s, p): (&Sample, &Pose)| truth.forward(truth.values(), &s.joints, &s.conditions, p).unwrap();
     let went = samples.iter().zip(&poses).map(went).collect();
@@ -197,8 +197,11 @@ fn effects_are_identified_and_the_written_file_is_the_same_machine() {
     let errors = evaluate(again.mechanism.as_ref(), &[], &data).unwrap().rms();
     assert!(errors.position.unwrap() < 1e-9 && errors.rotation.unwrap() < 1e-9, "{errors:?}");
     // From the parts, as a diagnosis writes it.
-    let ranged: Vec<ActiveEffect> =
-        found.iter().cloned().map(|e| ActiveEffect { range: e.range_over(&data), ..e }).collect();
+    let ranged: Vec<ActiveEffect> = found
+        .iter()
+        .cloned()
+        .map(|e| ActiveEffect { range: e.range_over(&data, machine.condition_kinds()), ..e })
+        .collect();
     let environment =
         Environment { references: [("temp_legs".into(), 18.0)].into(), ..(**machine.environment()).clone() };
     let plain = paracal::effect::without_effects(result.mechanism.as_ref());
@@ -255,7 +258,7 @@ fn data_are_seen_through_the_instrument_of_the_file() {
     let read = read_measurement(&path, &machine).unwrap();
     let errors = evaluate(machine.mechanism.as_ref(), &[], &read.data).unwrap().rms();
     assert!(errors.position.unwrap() < 1e-12, "{errors:?}");
-    let located = read.located(&[2e-4, 3e-6]);
+    let located = machine.instrument_with(&[2e-4, 3e-6]);
     assert_eq!(located[0].values, [2e-4, 3e-6]);
 }
 

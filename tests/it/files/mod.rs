@@ -6,6 +6,8 @@ mod effects;
 mod kinds;
 #[cfg(feature = "cli")]
 mod readers_never_panic;
+#[cfg(feature = "cli")]
+mod readings;
 mod units_by_dimension;
 mod urdf;
 #[cfg(feature = "cli")]

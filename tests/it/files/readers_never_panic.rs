@@ -504,7 +504,8 @@ fn short(data: &str) -> String {
 fn subject<'a>(machine: &'a Machine, mechanism: &'a dyn Mechanism) -> html::Subject<'a> {
     let noise = machine.noise.map(|n| [n.position, n.rotation]);
     let settings = vec![("call".to_owned(), "paracal".to_owned())];
-    html::Subject { mechanism, convention: &machine.convention, noise, warnings: Vec::new(), settings }
+    let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
+    html::Subject { mechanism, convention, condition_kinds, noise, warnings: Vec::new(), settings }
 }
 
 /// What the commands do with what they have read: `which` of them. The result of each may be an error; its text, its JSON
@@ -529,7 +530,6 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
             let identifier = identifier(name).unwrap();
             let done = calibrate(mechanism, &data.data, machine.workspace.as_ref(), identifier.as_ref(), &options);
             done.map_or(0, |found| {
-                let shown = text::calibration(&found, mechanism.name(), &data.data.model().describe(), name);
                 let own = found.identification.own_values();
                 let aligned = data_of.with_frames(found.registration.frames);
                 let models = [
@@ -538,7 +538,7 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 ];
                 let models: Vec<ModelResiduals> = models.into_iter().flatten().collect();
                 let measured = Measured { data: data_of, models: &models };
-                let pages = html::calibration(&found, &shown, &subject(machine, found.mechanism.as_ref()), &measured);
+                let pages = html::calibration(&found, &subject(machine, found.mechanism.as_ref()), &measured);
                 let written = machine.document_of(
                     found.mechanism.as_ref(),
                     found.workspace.as_ref(),
@@ -546,11 +546,11 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                     &found.registration.frames,
                 );
                 let written = written.map_or(0, |d| d.to_text().len());
-                written + page(&pages.html()) + json::calibration(&found, name, &[]).to_string().len()
+                written + page(&pages.html()) + json::calibration(&found).to_string().len()
             })
         }
         5 => {
-            let question = Question::of(machine, &data.as_read);
+            let question = Question::of(machine, data_of);
             diagnose(&question).map_or(0, |found| {
                 let plans = settle(&question, &found);
                 let plans = plans.unwrap_or_default();

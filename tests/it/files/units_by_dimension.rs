@@ -35,7 +35,7 @@ fn the_table_of_the_legs_has_the_unit_of_each_column() {
     let mut errors = vec![0.0; 21];
     errors[2] = 3e-3;
     let result = calibrated(&m, &errors);
-    let shown = text::calibration(&result, m.name(), "full poses", "levenberg-marquardt");
+    let shown = text::calibration(&result);
     let mut lines = shown.lines().skip_while(|l| !l.starts_with("Deviation"));
     assert_eq!(lines.next(), Some("Deviation from the file and its 1 sigma (~)"));
     let header = lines.next().unwrap();
@@ -47,7 +47,7 @@ fn the_table_of_the_legs_has_the_unit_of_each_column() {
     let table = shown.lines().skip_while(|l| !l.starts_with("leg ")).take(7);
     assert!(table.into_iter().all(|l| l.chars().count() <= 80), "{shown}");
     // The offsets are no lengths.
-    let object = json::calibration(&result, "levenberg-marquardt", &[]);
+    let object = json::calibration(&result);
     assert!(object["frames"]["leg_offsets_m"].is_null());
     assert!((object["frames"]["joint_offsets"][0].as_f64().unwrap() - offset).abs() < 1e-15);
     assert_eq!(object["parameters"][2]["unit"], "rad");

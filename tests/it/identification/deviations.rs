@@ -4,7 +4,7 @@ use crate::common;
 
 use paracal::conditions::Conditions;
 use paracal::identification::deviations;
-use paracal::measurement::{Dataset, Noise, PoseMeasurement, PoseReading, Sample};
+use paracal::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::pose::{Pose, PoseConvention};
 use std::sync::Arc;
 
@@ -12,8 +12,12 @@ use std::sync::Arc;
 fn data(joints: &[Vec<f64>], poses: &[Pose], measured: [bool; 6]) -> Dataset {
     let convention = PoseConvention::default();
     let reading = |p: &Pose| PoseReading { values: convention.coordinates(p), measured, sigma: [1e-6; 6] };
-    let sample =
-        |(row, joints): (usize, &Vec<f64>)| Sample { id: None, row, joints: joints.clone(), ..Sample::default() };
+    let sample = |(row, joints): (usize, &Vec<f64>)| Sample {
+        id: None,
+        row: DataRow(row),
+        joints: joints.clone(),
+        ..Sample::default()
+    };
     let model = PoseMeasurement::new(convention, poses.iter().map(reading).collect());
     let noise = Noise::stated(1e-6, 1e-6);
     Dataset::new(joints.iter().enumerate().map(sample).collect(), Arc::new(model), noise)

@@ -2,4 +2,5 @@
 
 mod deviations;
 mod frames;
+mod gross_errors;
 mod paper_case;

@@ -4,7 +4,7 @@ use crate::common::ranges::Ranges;
 use paracal::conformance;
 use paracal::measurement::{
     Contact, ContactReading, Frames, MeasurementModel, Plane, PlaneContact, PointReading, PoseMeasurement, PoseReading,
-    RowKind, Rows, TargetMeasurement, TargetPoint,
+    RowKind, Rows, Sample, TargetMeasurement, TargetPoint,
 };
 use paracal::nalgebra::{DMatrix, Vector3, Vector6};
 use paracal::pose::{Pose, PoseConvention, RotationOrder};
@@ -19,6 +19,10 @@ fn poses() -> Vec<Pose> {
     let mut draw = |size: f64| rng.random_range(-size..size);
     let pose = |_| Pose::from_coordinates(&[draw(0.1), draw(0.1), 0.5 + draw(0.1), draw(0.2), draw(0.2), draw(0.2)]);
     (0..8).map(pose).collect()
+}
+
+fn samples() -> Vec<Sample> {
+    vec![Sample::default(); poses().len()]
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -47,7 +51,8 @@ fn poses_conform_whole_and_in_part() {
             for left_out in [&[][..], &[0], &[2], &[3], &[4], &[5], &[3, 4, 5], &[0, 1, 2], &[0, 1, 3, 5]] {
                 let measured = std::array::from_fn(|k| !left_out.contains(&k));
                 let model = pose_readings(&convention, measured, sigma);
-                conformance::measurement(&model, &poses()).unwrap_or_else(|v| panic!("without {left_out:?}: {v}"));
+                conformance::measurement(&model, &samples(), &poses())
+                    .unwrap_or_else(|v| panic!("without {left_out:?}: {v}"));
             }
         }
     }
@@ -74,7 +79,7 @@ fn targets_conform_at_known_and_unknown_places() {
         };
         let readings: Vec<_> = poses().iter().enumerate().map(reading).collect();
         let model = TargetMeasurement::new(targets, readings, vec![[SIGMA, 2e-6, SIGMA]; 8]);
-        conformance::measurement(&model, &poses()).unwrap_or_else(|v| panic!("{known} known: {v}"));
+        conformance::measurement(&model, &samples(), &poses()).unwrap_or_else(|v| panic!("{known} known: {v}"));
     }
 }
 
@@ -93,7 +98,7 @@ fn contacts_conform_with_known_and_unknown_planes() {
     for normal in [[0.0, 0.0, 1.0], [0.0, 0.0, -2.0], [1.0, 0.0, 0.0], [0.3, -0.5, 0.4], [-0.1, 1.0, 0.0]] {
         let plane = Plane::new(&Vector3::from(normal), 0.3).unwrap();
         for known in [true, false] {
-            conformance::measurement(&contacts(plane, known), &poses())
+            conformance::measurement(&contacts(plane, known), &samples(), &poses())
                 .unwrap_or_else(|v| panic!("{normal:?}, known {known}: {v}"));
         }
     }
@@ -116,12 +121,12 @@ fn ranges(wrong_sign: bool) -> Ranges {
 
 #[test]
 fn a_model_from_outside_conforms() {
-    conformance::measurement(&ranges(false), &poses()).unwrap();
+    conformance::measurement(&ranges(false), &samples(), &poses()).unwrap();
 }
 
 #[test]
 fn a_wrong_sign_is_caught_and_named() {
-    let found = conformance::measurement(&ranges(true), &poses()).unwrap_err();
+    let found = conformance::measurement(&ranges(true), &samples(), &poses()).unwrap_err();
     assert_eq!(found.law, "motion agrees with differences");
     assert!(found.detail.starts_with("sample 0, δω x, row 1: analytic"), "{found}");
     assert!(found.detail.contains(", numeric "), "{found}");
@@ -169,15 +174,15 @@ impl MeasurementModel for Broken {
         }
         start
     }
-    fn evaluate(&self, sample: usize, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
+    fn evaluate(&self, index: usize, sample: &Sample, pose: &Pose, frames: &Frames, own: &[f64], out: &mut Rows) {
         assert!(self.mistake != Mistake::Panics || pose.is_finite(), "not a pose");
-        self.inner.evaluate(sample, pose, frames, own, out);
+        self.inner.evaluate(index, sample, pose, frames, own, out);
         match self.mistake {
             Mistake::OwnSign => out.own.column_mut(2).neg_mut(),
             Mistake::BlindToNaN if !pose.is_finite() => out.residual.fill(0.0),
             Mistake::IgnoresTheTracker if !frames.is_identity() => {
                 let motion = out.motion.clone();
-                self.inner.evaluate(sample, pose, &Frames::default(), own, out);
+                self.inner.evaluate(index, sample, pose, &Frames::default(), own, out);
                 out.motion = motion;
             }
             _ => {}
@@ -222,14 +227,16 @@ fn every_mistake_is_named() {
     ];
     for (mistake, law, detail) in cases {
         let model = Broken { inner: contacts(plane, false), mistake };
-        let found = conformance::measurement(&model, &poses()).unwrap_err();
+        let found = conformance::measurement(&model, &samples(), &poses()).unwrap_err();
         assert!(found.law == law && found.detail.starts_with(detail), "{mistake:?}: {found}");
     }
     // With a known plane nothing takes a wrong pose in.
     let model = Broken { inner: contacts(plane, true), mistake: Mistake::StatesAnotherPose };
-    let found = conformance::measurement(&model, &poses()).unwrap_err();
+    let found = conformance::measurement(&model, &samples(), &poses()).unwrap_err();
     assert_eq!(found.law, "the rows vanish at the pose that a reading states");
     assert!(found.detail.starts_with("sample 0, row 1: "), "{found}");
-    let found = conformance::measurement(&contacts(plane, true), &poses()[1..]).unwrap_err();
+    let found = conformance::measurement(&contacts(plane, true), &samples(), &poses()[1..]).unwrap_err();
     assert_eq!(found.detail, "8 samples, 7 poses");
+    let found = conformance::measurement(&contacts(plane, true), &samples()[1..], &poses()).unwrap_err();
+    assert_eq!(found.detail, "the model has 8 samples, 7 are given");
 }

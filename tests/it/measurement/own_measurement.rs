@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::ranges::{OFFSET, Ranges, SIGMA};
 use crate::common::{machine, paper_noise, true_mechanism, workspace};
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate};
-use paracal::measurement::{Dataset, Noise, Sample};
+use paracal::measurement::{DataRow, Dataset, Noise, Sample};
 use paracal::pose::Pose;
 use paracal::simulation::simulate;
 use rand::SeedableRng;
@@ -24,7 +24,11 @@ fn ranges_calibrate_the_mechanism_and_their_own_offset() {
     let run = simulate(nominal, truth.as_ref(), &poses, &space.convention, &paper_noise(), &mut rng).unwrap();
     let mut model = Ranges::new();
     model.measure(run.iter().map(|sample| sample.truth), || StandardNormal.sample(&mut rng));
-    let samples = run.iter().enumerate().map(|(row, s)| Sample { row, joints: s.joints.clone(), ..Sample::default() });
+    let samples = run.iter().enumerate().map(|(row, s)| Sample {
+        row: DataRow(row),
+        joints: s.joints.clone(),
+        ..Sample::default()
+    });
     let data = Dataset::new(samples.collect(), Arc::new(model), Noise::stated(SIGMA, SIGMA));
     let options = CalibrationOptions::default();
     let result = calibrate(nominal, &data, Some(&space), &LevenbergMarquardt::default(), &options).unwrap();

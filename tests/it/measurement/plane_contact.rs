@@ -8,7 +8,9 @@ use paracal::files::{Machine, read_measurement};
 use paracal::identification::{
     CalibrationOptions, CalibrationProblem, Identifier, LevenbergMarquardt, PriorPolicy, Task, calibrate, evaluate,
 };
-use paracal::measurement::{Contact, ContactReading, Dataset, Frames, MeasurementModel, Noise, Plane, PlaneContact};
+use paracal::measurement::{
+    Contact, ContactReading, DataRow, Dataset, Frames, MeasurementModel, Noise, Plane, PlaneContact, Sample,
+};
 use paracal::mechanism::{Body, rigid_directions};
 use paracal::nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use paracal::pose::Pose;
@@ -191,7 +193,7 @@ fn touches_find_a_plane_of_which_little_is_known() {
         let tip = pose.place(&Vector3::from(TIP));
         pose.position -= *plane.normal * (plane.normal.dot(&tip) - plane.distance + SIGMA * z);
         let joints = truth.inverse(truth.values(), &pose, &at).unwrap();
-        samples.push(paracal::measurement::Sample { row, joints, ..Default::default() });
+        samples.push(paracal::measurement::Sample { row: DataRow(row), joints, ..Default::default() });
         readings.push(ContactReading { height: Some(0.0), sigma: SIGMA });
     }
     let contact = Contact { tip: Vector3::from(TIP), known: false, ..Contact::default() };
@@ -218,7 +220,7 @@ fn frames_of_the_tracker_carry_the_tip() {
     let contact = Contact { plane: plane.seen_from(&base), tip, known: true };
     let model = PlaneContact::new(contact, vec![ContactReading { height: Some(height), sigma: SIGMA }]);
     let mut rows = paracal::measurement::Rows::sized(1, 0);
-    model.evaluate(0, &pose, &frames, &[], &mut rows);
+    model.evaluate(0, &Sample::default(), &pose, &frames, &[], &mut rows);
     assert!(rows.residual[0].abs() < 1e-15, "{}", rows.residual[0]);
 }
 

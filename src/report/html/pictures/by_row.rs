@@ -2,12 +2,16 @@
 
 use super::{ARCSECONDS, GROSS, MICROMETRES, ModelResiduals};
 use crate::identification::SampleError;
-use crate::measurement::RowKind;
+use crate::measurement::{DataRow, RowKind};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 
 /// Position and attitude error of each row for some models, beside the length that the stated noise (m, rad of one component)
 /// gives; rows that look like gross errors are marked.
-pub(in crate::report::html) fn by_row(models: &[&ModelResiduals], noise: Option<[f64; 2]>, gross: &[usize]) -> Figure {
+pub(in crate::report::html) fn by_row(
+    models: &[&ModelResiduals],
+    noise: Option<[f64; 2]>,
+    gross: &[DataRow],
+) -> Figure {
     // The length of a vector of as many components as were measured.
     let components = |kind: RowKind| {
         let first = models.first().and_then(|m| m.deviations.first());
@@ -15,13 +19,13 @@ pub(in crate::report::html) fn by_row(models: &[&ModelResiduals], noise: Option<
     };
     let panel = |title: &str, label: &str, of: fn(&SampleError) -> Option<f64>, unit: f64, sigma: Option<f64>| {
         let series = |(colour, model): (usize, &&ModelResiduals)| {
-            let points = model.errors.samples.iter().filter_map(|s| Some([s.row as f64, unit * of(s)?])).collect();
+            let points = model.errors.samples.iter().filter_map(|s| Some([s.row.0 as f64, unit * of(s)?])).collect();
             Series::new(&model.name, colour, Shape::Dots, points)
         };
         let at = |sigma: f64| Rule { horizontal: true, at: unit * sigma, label: "stated noise".into() };
         let mut series: Vec<Series> = models.iter().enumerate().map(series).collect();
         if let Some(first) = series.first_mut().filter(|_| !gross.is_empty()) {
-            let (far, near) = first.points.iter().partition(|p| gross.contains(&(p[0] as usize)));
+            let (far, near) = first.points.iter().partition(|p| gross.contains(&DataRow(p[0] as usize)));
             first.points = near;
             series.push(Series::new(GROSS, 3, Shape::Dots, far));
         }

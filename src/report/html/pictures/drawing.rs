@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{ModelResiduals, round_up};
+use crate::measurement::DataRow;
 use crate::mechanism::{Body, Mechanism, characteristic_length};
 use crate::pose::Pose;
 use crate::report::chart::{Arrow, LineSegment, Scene, Silhouette, Triad};
@@ -26,7 +27,7 @@ pub(in crate::report::html) struct Displacements {
 
 impl Displacements {
     /// The errors of a model, without those of gross rows, beside which no other could be seen.
-    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[usize]) -> Self {
+    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[DataRow]) -> Self {
         let centre = centre(&mechanism.platform_points());
         let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
             let turn = Vector3::new(motion[3], motion[4], motion[5]);

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
-use crate::measurement::RowKind;
+use crate::measurement::{DataRow, RowKind};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 
 /// Fewest and most bins.
@@ -15,7 +15,7 @@ const CURVE: usize = 61;
 pub(in crate::report::html) fn histograms(
     models: &[&ModelResiduals],
     noise: Option<[f64; 2]>,
-    gross: &[usize],
+    gross: &[DataRow],
 ) -> Figure {
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
 use crate::identification::SampleError;
+use crate::measurement::DataRow;
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::units::{show_angle, show_length};
@@ -13,7 +14,7 @@ const PLANES: [[(&str, usize); 2]; 3] = [[("x", 0), ("y", 1)], [("x", 0), ("z", 
 pub(in crate::report::html) fn maps(
     models: &[&ModelResiduals],
     convention: &PoseConvention,
-    gross: &[usize],
+    gross: &[DataRow],
 ) -> Figure {
     let measured = models.first().is_some_and(|m| m.errors.samples.iter().any(|s| s.position.is_some()));
     let of = |s: &SampleError| if measured { s.position } else { s.rotation };

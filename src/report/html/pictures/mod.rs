@@ -30,7 +30,7 @@ pub(super) use parameters::{correlation, deviations};
 pub(super) use strips::{Layer, gross, strips};
 
 use crate::identification::{Deviation, IdentifyError, ModelErrors};
-use crate::measurement::Dataset;
+use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 
 /// What rows that look like gross errors are called in legends.
@@ -69,7 +69,7 @@ impl ModelResiduals {
     }
 
     /// Data row and deviation of each joint, SI.
-    pub(super) fn in_joints(&self) -> Vec<(usize, &[f64])> {
+    pub(super) fn in_joints(&self) -> Vec<(DataRow, &[f64])> {
         self.deviations.iter().map(|d| (d.row, d.joints.as_slice())).collect()
     }
 }

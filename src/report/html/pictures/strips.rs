@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{ARCSECONDS, GROSS, MICROMETRES};
-use crate::measurement::{Dataset, Sample};
+use crate::conditions::{ConditionKind, ConditionTable, Extent, Role, TIME, of_leg};
+use crate::measurement::{DataRow, Dataset, Sample};
 use crate::mechanism::JointSpec;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
+use crate::report::html::Subject;
 use crate::units::Dimension;
 
 /// Residuals in the joints under one model.
@@ -15,7 +17,7 @@ pub(in crate::report::html) struct Layer<'a> {
     /// Index into the palette.
     pub(in crate::report::html) colour: usize,
     /// Data row and residual of each joint, SI.
-    pub(in crate::report::html) residuals: Vec<(usize, &'a [f64])>,
+    pub(in crate::report::html) residuals: Vec<(DataRow, &'a [f64])>,
 }
 
 /// Something over which residuals are drawn.
@@ -33,12 +35,13 @@ type Get = Box<dyn Fn(&Sample, usize) -> Option<f64>>;
 /// change, and for `further` covariates. `marked` are data rows that look like gross errors.
 pub(in crate::report::html) fn strips(
     data: &Dataset,
-    joints: &[JointSpec],
+    subject: &Subject<'_>,
     layers: &[Layer<'_>],
-    marked: &[usize],
+    marked: &[DataRow],
     further: &[&str],
 ) -> Vec<Figure> {
-    let samples: BTreeMap<usize, &Sample> = data.iter().map(|s| (s.row, s)).collect();
+    let (joints, kinds) = (subject.mechanism.joints(), subject.condition_kinds);
+    let samples: BTreeMap<DataRow, &Sample> = data.iter().map(|s| (s.row, s)).collect();
     let changes = |against: &Against| {
         let values = (0..joints.len()).flat_map(|leg| data.iter().filter_map(move |s| (against.of)(s, leg)));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -49,10 +52,12 @@ pub(in crate::report::html) fn strips(
         let of: Get = Box::new(move |s, _| s.conditions.get(&wanted));
         Against { title: (*name).to_owned(), label: format!("{name} (SI)"), of }
     };
-    let known = |name: &&&str| !matches!(**name, "time" | "elevation" | "payload");
-    all(data, joints)
+    // Those of a single leg are drawn at their own leg only, and so once more if a finding names one.
+    let drawn = |kind: &ConditionKind| kind.role == Role::Clock || kind.pictured && kind.extent == Extent::Machine;
+    let further = further.iter().filter(|name| !kinds.of(name).is_some_and(drawn));
+    all(data, joints, kinds)
         .into_iter()
-        .chain(further.iter().filter(known).map(named))
+        .chain(further.map(named))
         .filter(changes)
         .map(|against| {
             let panel = |(leg, joint): (usize, &JointSpec)| {
@@ -103,17 +108,19 @@ fn unit(dimension: Dimension) -> (&'static str, f64) {
     }
 }
 
-fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
-    let recorded =
-        |name: &'static str, per_si: f64| move |s: &Sample, _: usize| s.conditions.get(name).map(|v| per_si * v);
-    let timed = data.iter().all(|s| s.conditions.get("time").is_some());
+fn all(data: &Dataset, joints: &[JointSpec], kinds: &ConditionTable) -> Vec<Against> {
+    let timed = data.iter().all(|s| s.conditions.get(TIME).is_some());
     let first = match timed {
-        true => {
-            Against { title: "time".into(), label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) }
-        }
-        false => {
-            Against { title: "the data row".into(), label: "data row".into(), of: Box::new(|s, _| Some(s.row as f64)) }
-        }
+        true => Against {
+            title: "time".into(),
+            label: "time (h)".into(),
+            of: Box::new(|s, _| s.conditions.get(TIME).map(|t| t * (1.0 / 3600.0))),
+        },
+        false => Against {
+            title: "the data row".into(),
+            label: "data row".into(),
+            of: Box::new(|s, _| Some(s.row.0 as f64)),
+        },
     };
     let of_joint = joints.first().map_or(Dimension::None, |j| j.dimension);
     let (joint_unit, per_si) = of_joint.in_tables();
@@ -123,28 +130,30 @@ fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
         label: if alike { format!("{} ({joint_unit})", of_joint.noun()) } else { "joint (SI)".into() },
         of: Box::new(move |s, leg| Some(if alike { per_si } else { 1.0 } * s.joints.get(leg)?)),
     };
-    let temperature = Against {
-        title: "the temperature of the leg".into(),
-        label: "temperature (°C)".into(),
-        of: Box::new(|s, leg| {
-            s.conditions.get(&format!("temp_leg{}", leg + 1)).or_else(|| s.conditions.get("temp_legs"))
-        }),
+    [first, joint].into_iter().chain(kinds.iter().filter(|kind| kind.pictured).map(condition)).collect()
+}
+
+/// A condition, at each leg where it has one of its own.
+fn condition(kind: &ConditionKind) -> Against {
+    let (name, all_legs, each_leg) = (kind.name.to_string(), kind.of_all_legs(), kind.extent == Extent::EachLeg);
+    let unit = kind.unit();
+    let value = move |s: &Sample, leg: usize| match each_leg {
+        true => s.conditions.get(&of_leg(&name, leg)).or_else(|| s.conditions.get(&all_legs)),
+        false => s.conditions.get(&name),
     };
-    let elevation = Against {
-        title: "the elevation".into(),
-        label: "elevation (deg)".into(),
-        of: Box::new(recorded("elevation", 180.0 / std::f64::consts::PI)),
+    let label = match kind.dimension {
+        Dimension::None => kind.label.to_string(),
+        Dimension::Temperature => format!("{} (°C)", kind.label),
+        _ => format!("{} ({})", kind.label, unit.name),
     };
-    let payload =
-        Against { title: "the payload".into(), label: "payload (kg)".into(), of: Box::new(recorded("payload", 1.0)) };
-    vec![first, joint, temperature, elevation, payload]
+    Against { title: kind.title.to_string(), label, of: Box::new(move |s, leg| value(s, leg).map(|v| unit.from_si(v))) }
 }
 
 /// Rows beyond this many robust σ of a leg look like gross errors.
 const FAR: f64 = 8.0;
 
 /// Rows of which a joint lies far from the others of its leg.
-pub(in crate::report::html) fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize> {
+pub(in crate::report::html) fn gross(residuals: &[(DataRow, &[f64])]) -> Vec<DataRow> {
     let joints = residuals.first().map_or(0, |(_, r)| r.len());
     let mut rows = Vec::new();
     for joint in 0..joints {
@@ -163,12 +172,14 @@ pub(in crate::report::html) fn gross(residuals: &[(usize, &[f64])]) -> Vec<usize
 #[cfg(test)]
 mod tests {
     use super::gross;
+    use crate::measurement::DataRow;
 
     #[test]
     fn a_row_far_from_its_neighbours_is_marked() {
         let mut values: Vec<Vec<f64>> = (0..40).map(|k| vec![f64::from(k % 5 - 2), f64::from(k % 3 - 1)]).collect();
         values[7][1] = -30.0;
-        let residuals: Vec<(usize, &[f64])> = values.iter().enumerate().map(|(k, v)| (k + 100, v.as_slice())).collect();
-        assert_eq!(gross(&residuals), [107]);
+        let residuals: Vec<(DataRow, &[f64])> =
+            values.iter().enumerate().map(|(k, v)| (DataRow(k + 100), v.as_slice())).collect();
+        assert_eq!(gross(&residuals), [DataRow(107)]);
     }
 }
