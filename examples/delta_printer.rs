@@ -69,6 +69,7 @@ pub fn run(folder: &Path) -> Result<f64, Box<dyn Error>> {
     for leg in 0..3 {
         let role = ParameterRole::JointOffset { leg };
         outline = outline.parameter(format!("endstop{}", leg + 1), Dimension::Length, TOP + above, None, role).joint(
+            format!("carriage{}", leg + 1),
             Dimension::Length,
             TOP,
             None,

@@ -119,6 +119,7 @@ const UNITS: &[Unit] = &[
 
 /// A unit or quantity that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum UnitError {
     /// The name is not a unit of the expected dimension.
     #[error("unknown unit '{found}'; use {choices}")]

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::effect::{ActiveEffect, effects_of};
-use crate::files::{CsvTable, EffectEntry, Machine, Measurement, Outputs, number};
+use crate::files::{CsvTable, Machine, Measurement, Outputs, number};
 use crate::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, identifier,
@@ -142,18 +141,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         })?;
     progress.finish_and_clear();
 
-    let found = &result.identification;
-    let frames = &result.registration.frames;
-    let mut document = machine.document_of(result.mechanism.as_ref(), result.workspace.as_ref(), &[], frames)?;
-    measurement.put_identified(&machine, &found.parameters[found.mechanism_parameters..], &mut document);
-    if !machine.effects().is_empty() {
-        document.effects = refitted(&machine, &result, &measurement);
-        if result.registration.applied {
-            ui.warn(
-                "the effects in the mechanism file act in its base frame and were identified as if the data were in \
-                 that frame; transform the data into it",
-            );
-        }
+    let document = machine.calibrated_document(&result, &measurement)?;
+    if !machine.effects().is_empty() && result.registration.applied {
+        ui.warn(
+            "the effects in the mechanism file act in its base frame and were identified as if the data were in that \
+             frame; transform the data into it",
+        );
     }
     let written = outputs.add_mechanism(&args.output, &document)?;
     if let Some(path) = &args.covariance {
@@ -182,23 +175,6 @@ fn page(args: &Args, ui: &Ui, machine: &Machine, measurement: &Measurement, resu
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
     let subject = page_subject(ui, machine, result.mechanism.as_ref(), settings);
     Ok(html::calibration(result, &subject, &Measured { data, models: &models }))
-}
-
-/// The effects of the file with the identified values, their 1σ, and the range of the data.
-fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) -> Vec<EffectEntry> {
-    let on_measurement = machine.instrument_with(&result.identification.own_values());
-    let mut effects: Vec<ActiveEffect> =
-        effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
-    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data, machine.condition_kinds()));
-    let sigmas: Vec<Vec<f64>> = effects
-        .iter()
-        .map(|effect| {
-            let mine = format!("{}.", effect.label());
-            let own = result.parameters.iter().filter(|p| p.spec.name.starts_with(&mine));
-            own.map(|p| p.sigma.unwrap_or(f64::NAN)).collect()
-        })
-        .collect();
-    machine.effect_entries(&effects, &sigmas, machine.environment())
 }
 
 fn chosen_identifier(args: &Args) -> Result<Box<dyn Identifier>> {

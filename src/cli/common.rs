@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use crate::conditions::Conditions;
-use crate::files::{CsvTable, Machine, Measurement, ReadOptions, number, pose_columns, read_measurement};
+use crate::files::{Machine, Measurement, ReadOptions, read_measurement};
 use crate::identification::IdentifyError;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
@@ -145,37 +145,6 @@ impl Steps {
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
-}
-
-/// A row of a table of joints and poses, SI.
-pub(crate) struct JointsAndPose {
-    /// Label.
-    pub(crate) id: Option<String>,
-    /// Joint coordinates.
-    pub(crate) joints: Vec<f64>,
-    /// Pose in the coordinates of the machine's convention.
-    pub(crate) pose: [f64; 6],
-}
-
-/// A table of joints and poses in the units of the mechanism file.
-pub(crate) fn joints_and_poses(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
-    let mut table = labelled_joints(machine, comment, rows);
-    table.append(&pose_columns(machine, rows.iter().map(|r| &r.pose)));
-    table
-}
-
-/// The same without the poses.
-pub(crate) fn labelled_joints(machine: &Machine, comment: String, rows: &[JointsAndPose]) -> CsvTable {
-    let joints = machine.mechanism.joints();
-    let labelled = rows.iter().any(|r| r.id.is_some());
-    let mut header: Vec<String> = if labelled { vec!["id".into()] } else { Vec::new() };
-    header.extend(joints.iter().map(|j| format!("{}_{}", j.name, machine.unit(j.dimension).name)));
-    let row = |r: &JointsAndPose| {
-        let mut cells: Vec<String> = if labelled { vec![r.id.clone().unwrap_or_default()] } else { Vec::new() };
-        cells.extend(r.joints.iter().zip(joints).map(|(v, j)| number(machine.unit(j.dimension).from_si(*v))));
-        cells
-    };
-    CsvTable { comments: vec![comment], header, rows: rows.iter().map(row).collect() }
 }
 
 /// What the joints of a mechanism are called: lengths, angles, or coordinates if they are of several kinds.

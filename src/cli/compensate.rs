@@ -11,7 +11,8 @@ use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
-use crate::cli::common::{JointsAndPose, Ui, joint_noun, joints_and_poses};
+use crate::cli::common::{Ui, joint_noun};
+use crate::files::{JointsAndPose, joints_and_poses};
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]

@@ -14,8 +14,9 @@ use crate::selection::{
 };
 use anyhow::{Context, Result, anyhow, bail};
 
-use crate::cli::common::{JointsAndPose, Ui, joints_and_poses, page_subject, settings};
+use crate::cli::common::{Ui, page_subject, settings};
 use crate::cli::select_args::{Args, ScalingChoice};
+use crate::files::{JointsAndPose, joints_and_poses};
 
 const POSES: usize = 20;
 /// Numbers of poses that a table shows.

@@ -11,7 +11,8 @@ use crate::units::{Dimension, Unit};
 use anyhow::{Result, anyhow};
 
 use crate::cli::case::CaseArgs;
-use crate::cli::common::{JointsAndPose, Ui, joints_and_poses, verdict};
+use crate::cli::common::{Ui, verdict};
+use crate::files::{JointsAndPose, joints_and_poses};
 
 /// Arguments of `settle`.
 #[derive(clap::Args)]

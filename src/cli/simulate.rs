@@ -19,8 +19,9 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
-use crate::cli::common::{JointsAndPose, Ui, labelled_joints};
+use crate::cli::common::Ui;
 use crate::cli::effect_args::effect_entry;
+use crate::files::{JointsAndPose, labelled_joints};
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]

@@ -27,6 +27,7 @@ pub struct Conditions {
 
 /// Place of a sample in the run in which it was measured.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Run {
     /// 0-based data row.
     pub row: usize,

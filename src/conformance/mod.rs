@@ -40,6 +40,7 @@ use thiserror::Error;
 /// A law that does not hold.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{law}: {detail}")]
+#[non_exhaustive]
 pub struct Violation {
     /// The law.
     pub law: &'static str,

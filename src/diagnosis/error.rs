@@ -7,6 +7,7 @@ use crate::mechanism::GeometryError;
 
 /// No diagnosis.
 #[derive(Clone, Debug, Error)]
+#[non_exhaustive]
 pub enum DiagnoseError {
     /// The data leave nothing to look at after the kinematic parameters.
     #[error(

@@ -24,6 +24,7 @@ pub struct Compensator {
 
 /// The answer for one pose.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Compensated {
     /// Joints to command.
     pub joints: Vec<f64>,
@@ -39,6 +40,7 @@ pub struct Compensated {
 
 /// A covariate outside of the range on which an effect was fitted, SI and °C.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Extrapolated {
     /// Name of the effect, with its place.
     pub effect: String,

@@ -93,6 +93,7 @@ impl Environment {
 
 /// Data recorded with the samples.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AvailableData {
     /// Covariates that every sample has.
     pub covariates: BTreeSet<String>,

@@ -267,6 +267,10 @@ impl Mechanism for Extended {
         Some(Box::new(made))
     }
 
+    fn mounting(&self) -> Option<(Pose, Pose)> {
+        self.inner.mounting()
+    }
+
     fn platform_points(&self) -> Vec<Vector3<f64>> {
         self.inner.platform_points()
     }

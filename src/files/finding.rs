@@ -129,6 +129,7 @@ impl fmt::Display for FindingKind {
 
 /// One thing that is wrong, or worth knowing.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Finding {
     /// Kind of problem.
     pub kind: FindingKind,

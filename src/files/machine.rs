@@ -37,6 +37,8 @@ pub struct Machine {
     pub(super) environment: Arc<Environment>,
     /// The effects that its file may state.
     pub(super) catalogue: Catalogue,
+    /// The mechanism that files of type "own" mean.
+    pub(super) own: Option<Arc<dyn Mechanism>>,
     /// Effects of its file on the measurement.
     pub(super) instrument: Vec<ActiveEffect>,
     /// Unit of its lengths.

@@ -13,6 +13,7 @@ mod machine;
 mod mechanism;
 mod open;
 mod outputs;
+mod own;
 mod questions;
 mod read_options;
 mod readings;
@@ -25,12 +26,14 @@ pub use machine::Machine;
 pub use mechanism::document::MechanismDocument;
 pub use mechanism::sections::{
     ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
-    OffsetSection, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection, WorkspaceSection,
+    OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,
+    WorkspaceSection,
 };
 pub use outputs::Outputs;
 pub use read_options::ReadOptions;
 #[cfg(feature = "cli")]
-pub(crate) use readings::{KINDS as READING_KINDS, pose::pose_columns, reading_kind};
+pub(crate) use readings::{KINDS as READING_KINDS, reading_kind};
+pub use table::joint_table::{JointsAndPose, joints_and_poses, labelled_joints};
 pub use table::measurement_file::{Measurement, read_measurement};
 pub use table::planned::{PlannedConditions, read_conditions};
 pub use table::pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};

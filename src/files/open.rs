@@ -103,6 +103,7 @@ impl Machine {
         let options = ReadOptions {
             catalogue: self.catalogue.clone(),
             condition_kinds: self.condition_kinds().clone(),
+            mechanism: self.own.clone(),
             ..ReadOptions::default()
         };
         let mut other = Self::from_document_with(document, &self.path, &options)?;

@@ -1,10 +1,13 @@
-//! From a machine and its data to a question for the diagnosis, and from its answer to an extended machine.
+//! From a machine and its data to a question for the diagnosis, and from answers to calibrated and extended machines.
 
 use crate::diagnosis::{Cause, Diagnosis, Question};
-use crate::effect::ActiveEffect;
+use crate::effect::{ActiveEffect, effects_of};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
+use crate::files::mechanism::sections::EffectEntry;
+use crate::files::table::measurement_file::Measurement;
+use crate::identification::Calibration;
 use crate::measurement::{Dataset, Frames};
 
 impl Machine {
@@ -19,6 +22,25 @@ impl Machine {
         let mut document = self.document.clone();
         document.effects.clear();
         self.with_document(document)
+    }
+
+    /// The file of the calibrated model, with what was identified of the measurement: places of targets, the plane, effects.
+    ///
+    /// # Errors
+    /// [`FileError::Value`] for a mechanism of another kind.
+    pub fn calibrated_document(
+        &self,
+        result: &Calibration,
+        measurement: &Measurement,
+    ) -> Result<MechanismDocument, FileError> {
+        let found = &result.identification;
+        let frames = &result.registration.frames;
+        let mut document = self.document_of(result.mechanism.as_ref(), result.workspace.as_ref(), frames)?;
+        measurement.put_identified(self, &found.parameters[found.mechanism_parameters..], &mut document);
+        if !self.effects().is_empty() {
+            document.effects = refitted(self, result, measurement);
+        }
+        Ok(document)
     }
 
     /// The file of the extended model that a diagnosis of this machine found, in the frames of the drawing.
@@ -68,4 +90,21 @@ impl<'a> Question<'a> {
             seed: 0,
         }
     }
+}
+
+/// The effects of the file with the identified values, their 1σ, and the range of the data.
+fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) -> Vec<EffectEntry> {
+    let on_measurement = machine.instrument_with(&result.identification.own_values());
+    let mut effects: Vec<ActiveEffect> =
+        effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
+    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data, machine.condition_kinds()));
+    let sigmas: Vec<Vec<f64>> = effects
+        .iter()
+        .map(|effect| {
+            let mine = format!("{}.", effect.label());
+            let own = result.parameters.iter().filter(|p| p.spec.name.starts_with(&mine));
+            own.map(|p| p.sigma.unwrap_or(f64::NAN)).collect()
+        })
+        .collect();
+    machine.effect_entries(&effects, &sigmas, machine.environment())
 }

@@ -44,6 +44,7 @@ impl Default for CalibrationOptions {
 
 /// A calibrated mechanism and how far to trust it.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Calibration {
     /// What was measured, as the model of the readings describes it.
     pub measurement: String,

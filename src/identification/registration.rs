@@ -20,6 +20,7 @@ use crate::units::Dimension;
 
 /// Result of a registration.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Registration {
     /// Where the tracker and the target are; identities if the data are in the base frame already.
     pub frames: Frames,

@@ -98,6 +98,12 @@ pub trait Mechanism: Any + Debug + Send + Sync {
         None
     }
 
+    /// The base in the frame of the instrument and the target on the platform, for a mechanism that is
+    /// [`mounted`](Self::mounted).
+    fn mounting(&self) -> Option<(Pose, Pose)> {
+        None
+    }
+
     /// Where the legs meet the platform, platform frame, m: the size by which angles and lengths are compared. Those of the
     /// parameters, unless points are known that are not identified.
     fn platform_points(&self) -> Vec<Vector3<f64>> {

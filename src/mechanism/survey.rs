@@ -6,6 +6,7 @@ use crate::pose::Pose;
 
 /// Extremes over a set of poses.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Survey {
     /// Poses looked at.
     pub poses: usize,

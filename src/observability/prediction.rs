@@ -7,6 +7,7 @@ pub const DECIDED: f64 = 10.0;
 
 /// Predicted 1σ error of the calibrated pose over a set of poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PredictedError {
     /// Number of poses.
     pub poses: usize,

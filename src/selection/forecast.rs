@@ -23,6 +23,7 @@ pub struct Forecaster<'a> {
 
 /// The prediction for one set of poses.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Forecast {
     /// Error of the calibrated pose over the targets.
     pub error: PredictedError,

@@ -36,6 +36,7 @@ pub struct SelectionTask<'a> {
 
 /// The chosen set, and how good it is.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ChosenSet {
     /// All poses: the given ones, then the chosen ones.
     pub poses: Vec<Pose>,

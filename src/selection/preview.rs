@@ -10,6 +10,7 @@ use crate::selection::{Campaign, Candidates, Exchange, SelectionError, Sources};
 
 /// Predicted information from measuring full poses at well-chosen places.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Preview {
     /// The poses.
     pub poses: Vec<Pose>,

@@ -31,6 +31,7 @@ pub struct Problem<'a> {
 
 /// How far a selector has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Step {
     /// Steps done.
     pub done: usize,

@@ -27,6 +27,7 @@ use crate::solve::svd;
 
 /// Shares of candidates, and what they prove.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Relaxation {
     /// Candidates with the part of each that is taken, at most one; they sum to the number of poses.
     pub shares: Vec<(usize, f64)>,

@@ -14,6 +14,7 @@ use crate::units::Dimension;
 
 /// One simulated sample.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SimulatedSample {
     /// Joints as they are recorded: commanded, or read where more joints than the pose needs settle among each other;
     /// with reading noise if there is any.

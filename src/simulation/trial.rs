@@ -40,6 +40,7 @@ pub struct Trial<'a> {
 
 /// Result of a trial.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TrialResult {
     /// Identified parameters in the order of the mechanism, SI.
     pub values: Vec<f64>,
@@ -49,6 +50,7 @@ pub struct TrialResult {
 
 /// Distances from the targets to where the platform went.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct TargetErrors {
     /// Length of each position error, eq. (41), m.
     pub positions: Vec<f64>,

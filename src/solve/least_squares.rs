@@ -76,6 +76,7 @@ impl Default for LeastSquaresOptions {
 
 /// Why the iteration ended well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Convergence {
     /// The step became too small to matter.
     SmallStep,

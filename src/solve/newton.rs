@@ -42,6 +42,7 @@ impl Default for NewtonOptions {
 
 /// A root, and how it was reached.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NewtonSolution<P> {
     /// The root.
     pub point: P,
@@ -53,6 +54,7 @@ pub struct NewtonSolution<P> {
 
 /// Why no root was reached.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum NewtonError {
     /// The iterations were used up or no step reduces the residual.
     #[error("no convergence after {iterations} iterations: residual {residual:.3e}, last step {step:.3e}")]

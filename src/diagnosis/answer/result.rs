@@ -35,6 +35,7 @@ impl Verdict {
 
 /// A value of an effect that was found.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CauseParameter {
     /// Name.
     pub name: String,
@@ -50,6 +51,7 @@ pub struct CauseParameter {
 
 /// Another name that the data do not exclude.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rival {
     /// Its name.
     pub effect: String,
@@ -70,6 +72,7 @@ pub struct Rival {
 
 /// A named cause.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Cause {
     /// Name of the effect.
     pub effect: String,
@@ -105,6 +108,7 @@ pub struct Cause {
 
 /// An added-variable plot: a cause that is one lies along the diagonal, and its slope over its scatter is its evidence.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AddedVariable {
     /// For each row of the readings the share of the cause that nothing else imitates, and what is left without the cause
     /// (measured minus predicted), both over the estimated noise of the row.
@@ -113,6 +117,7 @@ pub struct AddedVariable {
 
 /// Residual of one sample, measured minus predicted, as a change of each joint, SI.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct JointResiduals {
     /// The sample.
     pub row: DataRow,
@@ -161,6 +166,7 @@ impl UnknownTest {
 
 /// Something that no name explains.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Unknown {
     /// Covariate that it depends on, if it was recorded.
     pub covariate: Option<String>,
@@ -187,6 +193,7 @@ impl Unknown {
 
 /// A file that was read wrongly.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Misread {
     /// Name of the reading.
     pub reading: String,
@@ -200,6 +207,7 @@ pub struct Misread {
 
 /// Noise that is not the same in all rows.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NoiseVaries {
     /// Covariate that it depends on.
     pub covariate: String,
@@ -211,6 +219,7 @@ pub struct NoiseVaries {
 
 /// Held-out errors with and without the causes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Gain {
     /// RMS length of the position error without causes, random folds, m.
     pub position_before: Option<f64>,
@@ -232,6 +241,7 @@ pub struct Gain {
 
 /// An effect that was tested and not found.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NotFound {
     /// Name.
     pub effect: String,
@@ -245,6 +255,7 @@ pub struct NotFound {
 
 /// An effect that could not be tested.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NotTestable {
     /// Name.
     pub effect: String,
@@ -254,6 +265,7 @@ pub struct NotTestable {
 
 /// The answer.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Diagnosis {
     /// One of five answers.
     pub verdict: Verdict,

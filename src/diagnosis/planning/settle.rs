@@ -21,6 +21,7 @@ use crate::mechanism::Mechanism;
 
 /// How well a plan tells one name from another.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Separation {
     /// The name that was given.
     pub effect: String,
@@ -32,6 +33,7 @@ pub struct Separation {
 
 /// Further measurements.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct MeasurementPlan {
     /// The measurement, in words.
     pub what: String,

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::mechanism::sections::{
     ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
-    OffsetSection, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection, WorkspaceSection,
+    OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,
+    WorkspaceSection,
 };
 use crate::pose::RotationOrder;
 
@@ -50,6 +51,9 @@ pub struct MechanismDocument {
     /// In a calibrated file: the cables by which poses are commanded.
     #[serde(default, rename = "nominal_cable")]
     pub nominal_cables: Vec<CableEntry>,
+    /// In a calibrated file of a mechanism that a program defines: the values of its parameters.
+    #[serde(default, rename = "parameter")]
+    pub parameters: Vec<ParameterEntry>,
     /// In a calibrated file of another kind than six hardpoints: the frames of the measurement.
     pub mounting: Option<MountingSection>,
     /// Home pose; solved from the lengths if absent.

@@ -265,7 +265,7 @@ impl Machine {
         sigmas: &[Vec<f64>],
         environment: &Environment,
     ) -> Result<MechanismDocument, FileError> {
-        let mut document = self.document_of(mechanism, workspace, &[], frames)?;
+        let mut document = self.document_of(mechanism, workspace, frames)?;
         document.effects = self.effect_entries(effects, sigmas, environment);
         Ok(document)
     }

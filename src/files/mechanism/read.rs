@@ -29,7 +29,8 @@ pub(crate) fn build(
     let home = document.home.as_ref().map(|h| reader.six("[home]", &h.position, &h.rotation)).transpose()?;
     kind.check_parts(reader, &document)?;
     let mut warnings = Vec::new();
-    let source = Source { reader, document: &document, convention: &convention, home };
+    let own = options.mechanism.as_deref();
+    let source = Source { reader, document: &document, convention: &convention, home, own };
     let (mechanism, nominal) = (kind.read)(&source, &mut warnings)?;
     let workspace = workspace(&source, mechanism.as_ref(), &mut warnings)?;
     let noise = noise(reader, &document, mechanism.as_ref())?;
@@ -52,6 +53,7 @@ pub(crate) fn build(
         contact,
         environment,
         catalogue: options.catalogue.clone(),
+        own: options.mechanism.clone(),
         instrument,
         length_unit: reader.units.length,
         angle_unit: reader.units.angle,

@@ -77,6 +77,16 @@ pub struct CableEntry {
     pub stroke: Option<[f64; 2]>,
 }
 
+/// One `[[parameter]]` of a mechanism that a program defines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterEntry {
+    /// Its name.
+    pub name: String,
+    /// Its value: a length or an angle in the units of the file, anything else in SI.
+    pub value: f64,
+}
+
 /// `[mounting]`: where the base stands in the frame of the measurement, and the target on the platform.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -39,6 +39,9 @@ impl MechanismDocument {
         for (name, cables) in [("cable", &self.cables), ("nominal_cable", &self.nominal_cables)] {
             cables.iter().for_each(|cable| text += &cable.to_text(name));
         }
+        for p in &self.parameters {
+            text += &format!("\n[[parameter]]\nname = {}\nvalue = {}\n", quoted(&p.name), number(p.value));
+        }
         if let Some(m) = &self.mounting {
             text += "\n[mounting]\n";
             text += &line("base_position", Some(list(&m.base_position)));

@@ -9,8 +9,8 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds;
 use crate::files::mechanism::kinds::file_kind::Target;
 use crate::files::mechanism::plane::carried;
-use crate::files::mechanism::sections::{PlaneSection, TargetEntry};
-use crate::measurement::{Frames, TargetPoint};
+use crate::files::mechanism::sections::PlaneSection;
+use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, Workspace};
 use crate::pose::Pose;
 
@@ -26,10 +26,9 @@ impl Machine {
         &self,
         mechanism: &dyn Mechanism,
         workspace: Option<&Workspace>,
-        targets: &[TargetPoint],
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
-        let mut document = self.plain_document_of(without_effects(mechanism), workspace, targets, frames)?;
+        let mut document = self.plain_document_of(without_effects(mechanism), workspace, frames)?;
         let effects: Vec<ActiveEffect> = effects_of(mechanism).iter().chain(&self.instrument).cloned().collect();
         document.effects = self.effect_entries(&effects, &[], &self.environment);
         Ok(document)
@@ -40,7 +39,6 @@ impl Machine {
         &self,
         mechanism: &dyn Mechanism,
         workspace: Option<&Workspace>,
-        targets: &[TargetPoint],
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
         let mut document = self.document.clone();
@@ -58,13 +56,6 @@ impl Machine {
         self.carry_sections(&mut document, frames);
         if kind.points_move {
             self.carry_sensors(&mut document, frames);
-        }
-        let entry = |t: &TargetPoint| TargetEntry {
-            name: t.name.clone(),
-            platform: t.platform.as_ref().map(|p| units.point(p)),
-        };
-        if !targets.is_empty() {
-            document.targets = targets.iter().map(entry).collect();
         }
         Ok(document)
     }

@@ -20,6 +20,7 @@ use crate::units::Dimension;
 
 /// A measurement file, read.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Measurement {
     /// Samples, readings and noise, seen through the effects of the mechanism file on the measurement
     /// ([`Machine::instrument`]).

@@ -2,6 +2,7 @@
 
 pub(crate) mod column;
 pub(crate) mod joint_columns;
+pub(crate) mod joint_table;
 pub(crate) mod measurement_file;
 pub(crate) mod planned;
 pub(crate) mod pose_file;

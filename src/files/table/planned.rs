@@ -22,6 +22,7 @@ use crate::units::Dimension;
 
 /// Conditions of a list, row by row.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlannedConditions {
     /// The conditions in order, outside of a run.
     pub states: Vec<Conditions>,

@@ -27,6 +27,7 @@ pub struct ListedPose {
 
 /// A list of poses, read.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PoseList {
     /// The poses in order.
     pub poses: Vec<ListedPose>,

@@ -11,6 +11,7 @@ use crate::files::outputs::Outputs;
 
 /// Files that were added to the outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WrittenMechanism {
     /// The side file, if one is written.
     pub side: Option<PathBuf>,

@@ -19,6 +19,7 @@ use crate::pose::Pose;
 
 /// A mechanism as URDF.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct UrdfFiles {
     /// Text of the URDF.
     pub robot: String,

@@ -10,6 +10,7 @@ use crate::solve::{Convergence, IterationRecord};
 
 /// One identified parameter.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate {
     /// Specification of the parameter.
     pub spec: ParameterSpec,
@@ -23,6 +24,7 @@ pub struct Estimate {
 
 /// Parameters, covariance and how they were reached.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Identification {
     /// Parameters of the mechanism, then those of the measurement.
     pub parameters: Vec<Estimate>,

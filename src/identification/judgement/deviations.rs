@@ -11,6 +11,7 @@ use crate::solve::minimum_norm;
 
 /// Deviation of one sample from the model.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Deviation {
     /// The sample.
     pub row: DataRow,

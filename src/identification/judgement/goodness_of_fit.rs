@@ -8,6 +8,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 /// is then one of the model and not of the estimator: neither a prior nor unweighted rows, which leave more
 /// residual than necessary, change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GoodnessOfFit {
     /// Length squared of the projected whitened residual, for the noise as stated.
     pub chi_square: f64,

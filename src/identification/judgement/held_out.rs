@@ -26,6 +26,7 @@ pub enum Holdout {
 
 /// Errors on samples that were not fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct HeldOut {
     /// Root of the mean square over those samples.
     pub rms: ErrorSummary,

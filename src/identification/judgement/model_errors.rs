@@ -8,6 +8,7 @@ use crate::mechanism::Mechanism;
 
 /// Error of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SampleError {
     /// The sample.
     pub row: DataRow,
@@ -31,6 +32,7 @@ impl SampleError {
 
 /// One number for position and one for rotation, over samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ErrorSummary {
     /// Over lengths of position errors, m.
     pub position: Option<f64>,
@@ -40,6 +42,7 @@ pub struct ErrorSummary {
 
 /// Errors of all samples.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ModelErrors {
     /// By sample, in the order of the data.
     pub samples: Vec<SampleError>,

@@ -9,6 +9,7 @@ use crate::units::Dimension;
 
 /// A parameter that deviates more than the workshop can explain.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Implausible {
     /// Parameter.
     pub name: String,
@@ -22,6 +23,7 @@ pub struct Implausible {
 
 /// Rigid motions and leg offsets, which are convention, and the deviations that remain.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Plausibility {
     /// Pose of the base in the tracker's frame, the best rigid motion of the base points.
     pub base: Pose,

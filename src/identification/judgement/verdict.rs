@@ -7,6 +7,7 @@ use crate::units::{shortened, show_probability};
 
 /// May the result be used?
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CalibrationVerdict {
     /// True if nothing speaks against it.
     pub trusted: bool,

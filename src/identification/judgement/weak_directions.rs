@@ -17,6 +17,7 @@ use crate::units::Dimension;
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DataSpectrum {
     /// Singular values in descending order, one for each parameter of the mechanism.
     pub values: Vec<f64>,
@@ -33,6 +34,7 @@ const UNSEEN: f64 = 1e-9;
 
 /// A direction of the parameters that the data do not decide.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WeakDirection {
     /// Tolerance along the direction over the σ from the data alone; 0 if the data say nothing.
     pub sigma: f64,

@@ -84,11 +84,6 @@ impl<C: Closure> ClosureMechanism<C> {
         self.home.pose
     }
 
-    /// The base in the frame of the measurement and the target on the platform, if it is mounted.
-    pub fn mounting(&self) -> Option<(Pose, Pose)> {
-        self.mounting.map(|m| (m.base, m.target))
-    }
-
     /// The closure.
     pub fn closure(&self) -> &C {
         &self.closure
@@ -281,6 +276,10 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
     fn platform_points(&self) -> Vec<Vector3<f64>> {
         let points = Body::Platform.points_among(&self.outline.parameters, &self.all);
         points.into_iter().map(|(_, point)| point).collect()
+    }
+
+    fn mounting(&self) -> Option<(Pose, Pose)> {
+        self.mounting.map(|m| (m.base, m.target))
     }
 
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {

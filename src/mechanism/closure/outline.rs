@@ -40,11 +40,17 @@ impl Outline {
         }
     }
 
-    /// Adds a joint called `leg1`, `leg2` … with its coordinate near home, SI.
+    /// Adds a joint by the name of its data columns, with its coordinate near home and its stroke, SI. Those of the built-in
+    /// kinds are called `leg1`, `leg2` ….
     #[must_use]
-    pub fn joint(mut self, dimension: Dimension, near_home: f64, stroke: Option<[f64; 2]>) -> Self {
-        let name = format!("leg{}", self.joints.len() + 1);
-        self.joints.push(JointSpec { name, dimension, stroke });
+    pub fn joint(
+        mut self,
+        name: impl Into<String>,
+        dimension: Dimension,
+        near_home: f64,
+        stroke: Option<[f64; 2]>,
+    ) -> Self {
+        self.joints.push(JointSpec { name: name.into(), dimension, stroke });
         self.home_joints.push(near_home);
         self
     }

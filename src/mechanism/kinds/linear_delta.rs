@@ -83,7 +83,7 @@ impl LinearDelta {
             let near = carriage_at_home(&rods[first], &rails[first].1, &home).ok_or_else(|| {
                 GeometryError::Outline(format!("leg {}: its rod does not reach the platform at home", first + 1))
             })?;
-            outline = outline.joint(Dimension::Length, near, stroke);
+            outline = outline.joint(format!("leg{}", carriage + 1), Dimension::Length, near, stroke);
         }
         ClosureMechanism::new(Self { rails }, outline)
     }

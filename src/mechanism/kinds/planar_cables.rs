@@ -116,7 +116,7 @@ impl PlanarCables {
                 }
                 None => (Dimension::Length, -cable.offset),
             };
-            outline = outline.joint(dimension, near, cable.stroke);
+            outline = outline.joint(format!("leg{}", leg + 1), dimension, near, cable.stroke);
         }
         ClosureMechanism::new(closure, outline)
     }

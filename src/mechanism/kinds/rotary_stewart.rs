@@ -78,7 +78,7 @@ impl RotaryStewart {
                     sigma(|t| t.angle),
                     ParameterRole::JointOffset { leg },
                 )
-                .joint(Dimension::Angle, angle - l.offset, l.stroke);
+                .joint(format!("leg{n}"), Dimension::Angle, angle - l.offset, l.stroke);
             directions.push([u, v]);
         }
         ClosureMechanism::new(Self { directions }, outline)

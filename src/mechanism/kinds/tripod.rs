@@ -73,7 +73,7 @@ impl Tripod {
                 )
                 .parameter(format!("m{n}"), Dimension::Angle, l.tilt[0], sigma(|t| t.angle), role)
                 .parameter(format!("n{n}"), Dimension::Angle, l.tilt[1], sigma(|t| t.angle), role)
-                .joint(Dimension::Length, at_home - l.offset, l.stroke);
+                .joint(format!("leg{n}"), Dimension::Length, at_home - l.offset, l.stroke);
         }
         ClosureMechanism::new(Self { hinges }, outline)
     }

@@ -7,6 +7,7 @@ const TIE: f64 = 1e-12;
 
 /// The best candidate or member by score; larger scores are better.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Best {
     /// Candidate, or position among the members.
     pub which: usize,

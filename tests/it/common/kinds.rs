@@ -133,7 +133,7 @@ pub fn hardpoint(legs: &[Leg], home: Pose) -> ClosureMechanism<Hardpoint> {
             .platform_point(leg, l.platform.into(), None)
             .parameter(format!("h{}", leg + 1), Dimension::Length, l.length, None, role)
             .base_point(leg, l.base.into(), None)
-            .joint(Dimension::Length, l.length, l.stroke);
+            .joint(format!("leg{}", leg + 1), Dimension::Length, l.length, l.stroke);
     }
     ClosureMechanism::new(Hardpoint { lengths: legs.iter().map(|l| l.length).collect() }, outline).unwrap()
 }

@@ -127,7 +127,7 @@ fn what_is_calibrated_through_a_wrapper_is_written_with_its_effects() {
     assert_eq!(result.mechanism.name(), "renamed");
     let [found] = effects_of(result.mechanism.as_ref()) else { panic!("the effect is lost") };
     assert!((found.values[0] - SCALE).abs() < 1e-9, "{:?}", found.values);
-    let document = machine.document_of(result.mechanism.as_ref(), None, &[], &Frames::default()).unwrap();
+    let document = machine.document_of(result.mechanism.as_ref(), None, &Frames::default()).unwrap();
     let again = read(&document.to_text());
     assert_eq!(again.effects().len(), 1);
     let errors = evaluate(again.mechanism.as_ref(), &[], &data).unwrap().rms();

@@ -46,8 +46,7 @@ fn every_effect_comes_back_from_its_file() {
             let [found] = &machine.effects()[..] else { panic!("{}", entry.name) };
             assert_eq!((on_mechanism.len(), machine.instrument().len()), if moves(entry) { (1, 0) } else { (0, 1) });
             assert_eq!(found.effect.name(), entry.name);
-            let written =
-                machine.document_of(machine.mechanism.as_ref(), None, &[], &Frames::default()).unwrap().to_text();
+            let written = machine.document_of(machine.mechanism.as_ref(), None, &Frames::default()).unwrap().to_text();
             let again = read(&written);
             let (a, b) = (&again.effects()[0], found);
             assert_eq!((&a.at, &a.range), (&b.at, &b.range), "{written}");
@@ -194,7 +193,7 @@ fn effects_are_identified_and_the_written_file_is_the_same_machine() {
             assert!((a - b).abs() < 1e-9, "{a:e} instead of {b:e}");
         }
     }
-    let document = machine.document_of(result.mechanism.as_ref(), None, &[], &Frames::default()).unwrap();
+    let document = machine.document_of(result.mechanism.as_ref(), None, &Frames::default()).unwrap();
     let again = read(&document.to_text());
     assert_eq!(again.environment().references["temp_legs"], 18.0);
     let errors = evaluate(again.mechanism.as_ref(), &[], &data).unwrap().rms();

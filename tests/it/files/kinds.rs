@@ -119,7 +119,7 @@ fn bundled_kinds_conform_and_survive_their_own_writer() {
         assert!(machine.warnings.is_empty(), "{:?}", machine.warnings);
         conformance::mechanism(mechanism, &machine.workspace.unwrap()).unwrap_or_else(|v| panic!("{kind}: {v}"));
         let frames = paracal::measurement::Frames::default();
-        let document = machine.document_of(mechanism, machine.workspace.as_ref(), &[], &frames).unwrap();
+        let document = machine.document_of(mechanism, machine.workspace.as_ref(), &frames).unwrap();
         let again = Machine::from_text(&document.to_text(), Path::new("again.toml")).unwrap();
         for (a, b) in mechanism.values().iter().zip(again.mechanism.values()) {
             assert!((a - b).abs() < 1e-14, "{kind}: {a} {b}");

@@ -393,7 +393,7 @@ proptest! {
                 let mechanism = machine.mechanism.as_ref();
                 let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown());
                 prop_assert!(home.as_ref().is_ok_and(|q| q.iter().all(|v| v.is_finite())), "{home:?}");
-                let written = machine.document_of(mechanism, machine.workspace.as_ref(), &[], &Frames::default());
+                let written = machine.document_of(mechanism, machine.workspace.as_ref(), &Frames::default());
                 let written = written.unwrap().to_text();
                 let again = Machine::from_text(&written, path);
                 prop_assert!(again.is_ok(), "{}\n{written}", again.unwrap_err());
@@ -539,12 +539,8 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 let models: Vec<ModelResiduals> = models.into_iter().flatten().collect();
                 let measured = Measured { data: data_of, models: &models };
                 let pages = html::calibration(&found, &subject(machine, found.mechanism.as_ref()), &measured);
-                let written = machine.document_of(
-                    found.mechanism.as_ref(),
-                    found.workspace.as_ref(),
-                    &[],
-                    &found.registration.frames,
-                );
+                let written =
+                    machine.document_of(found.mechanism.as_ref(), found.workspace.as_ref(), &found.registration.frames);
                 let written = written.map_or(0, |d| d.to_text().len());
                 written + page(&pages.html()) + json::calibration(&found).to_string().len()
             })

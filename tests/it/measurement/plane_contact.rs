@@ -237,7 +237,7 @@ fn a_plane_is_read_and_written_back() {
     assert!((*contact.plane.normal - Vector3::from(NORMAL).normalize()).norm() < 1e-15);
     assert!((contact.plane.distance - DISTANCE).abs() < 1e-15);
     let of = |frames: &Frames| {
-        let text = m.document_of(m.mechanism.as_ref(), None, &[], frames).unwrap().to_text();
+        let text = m.document_of(m.mechanism.as_ref(), None, frames).unwrap().to_text();
         Machine::from_text(&text, path).unwrap().contact
     };
     assert_eq!(of(&Frames::default()), contact);

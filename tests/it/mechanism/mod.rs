@@ -5,6 +5,7 @@ mod closures;
 mod forward_kinematics;
 #[cfg(feature = "conformance")]
 mod kinds;
+mod own_machine;
 #[cfg(feature = "conformance")]
 mod own_mechanism;
 #[cfg(feature = "conformance")]

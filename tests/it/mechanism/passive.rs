@@ -49,7 +49,7 @@ fn hexapod(offset: f64) -> ClosureMechanism<OffsetJoints> {
             .platform_point(leg, l.platform.into(), None)
             .base_point(leg, l.base.into(), None)
             .parameter(format!("e{}", leg + 1), Dimension::Length, offset, None, ParameterRole::LegDimension { leg })
-            .joint(Dimension::Length, gap.norm() - offset, None);
+            .joint(format!("leg{}", leg + 1), Dimension::Length, gap.norm() - offset, None);
     }
     ClosureMechanism::new(OffsetJoints { frames }, outline).unwrap()
 }
@@ -99,8 +99,8 @@ impl Closure for Lies {
 #[test]
 fn what_a_closure_says_of_its_sparsity_is_checked() {
     let mut outline = Outline::new("gantry", 6, paracal::pose::Pose::identity());
-    for _ in 0..6 {
-        outline = outline.joint(Dimension::Length, 0.0, None);
+    for axis in 1..=6 {
+        outline = outline.joint(format!("axis{axis}"), Dimension::Length, 0.0, None);
     }
     let outline = outline.parameter("k", Dimension::Length, 0.0, None, ParameterRole::Other);
     match ClosureMechanism::new(Lies, outline) {

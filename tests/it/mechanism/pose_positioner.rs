@@ -65,7 +65,7 @@ fn its_file_is_read_and_written() {
     assert_eq!(stated(&read), expected);
     let moved: Vec<f64> = values.iter().map(|v| v + 1e-6).collect();
     let moved = read.mechanism.with_values(&moved, read.mechanism.home()).unwrap();
-    let text = read.document_of(moved.as_ref(), None, &[], &Frames::default()).unwrap().to_text();
+    let text = read.document_of(moved.as_ref(), None, &Frames::default()).unwrap().to_text();
     let again = Machine::from_text(&text, "again.toml".as_ref()).unwrap();
     for (a, b) in again.mechanism.values().iter().zip(moved.values()) {
         assert!((a - b).abs() < 1e-15);

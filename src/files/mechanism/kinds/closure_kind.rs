@@ -39,7 +39,7 @@ pub(super) fn read<C: Closure>(
     source: &Source<'_>,
     warned: &mut Vec<String>,
 ) -> Result<Made, FileError> {
-    let Source { reader: r, document, convention, home } = *source;
+    let Source { reader: r, document, convention, home, .. } = *source;
     let name = kind.name;
     let Some(home) = home else {
         return Err(

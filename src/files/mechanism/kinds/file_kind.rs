@@ -37,6 +37,8 @@ pub(crate) struct Source<'a> {
     pub(crate) convention: &'a PoseConvention,
     /// Coordinates of `[home]`, SI.
     pub(crate) home: Option<[f64; 6]>,
+    /// The mechanism that the reading program defines.
+    pub(crate) own: Option<&'a dyn Mechanism>,
 }
 
 /// A mechanism and, if the file keeps them apart, the one by which the controller turns poses into joints.
@@ -51,7 +53,7 @@ pub(crate) struct Target {
 }
 
 /// Parts of a file that mean nothing for some kinds, and whether a document has them.
-fn special_parts(document: &MechanismDocument) -> [(&'static str, bool); 7] {
+fn special_parts(document: &MechanismDocument) -> [(&'static str, bool); 8] {
     [
         ("[[leg]]", !document.legs.is_empty()),
         ("[[cable]]", !document.cables.is_empty()),
@@ -60,6 +62,7 @@ fn special_parts(document: &MechanismDocument) -> [(&'static str, bool); 7] {
         ("[mounting]", document.mounting.is_some()),
         ("identify", document.identify.is_some()),
         ("[offset]", document.offset.is_some()),
+        ("[[parameter]]", !document.parameters.is_empty()),
     ]
 }
 

@@ -8,12 +8,14 @@
 //! | `tripod-3rps` | `platform base axis` | `length_offset hinge_tilt stroke` |
 //! | `planar-cables` | `platform base`, and `[[cable]] segments` | `drum length_offset stroke` of a cable |
 //! | `pose` | has no legs | `[offset]` |
+//! | `own` | has no legs | `[[parameter]]`, in a calibrated file |
 //!
 //! Each is one [`FileKind`] in a file of its own, and [`KINDS`] lists them; nothing else knows which kinds there are.
 
 mod closure_kind;
 pub(crate) mod file_kind;
 mod linear_delta;
+pub(crate) mod own;
 mod planar_cables;
 pub(crate) mod pose;
 mod rotary_stewart;
@@ -24,13 +26,14 @@ mod tripod;
 use file_kind::FileKind;
 
 /// Every kind, in the order in which errors list them.
-pub(crate) const KINDS: [&FileKind; 6] = [
+pub(crate) const KINDS: [&FileKind; 7] = [
     &six_hardpoint::KIND,
     &rotary_stewart::KIND,
     &linear_delta::KIND,
     &tripod::KIND,
     &planar_cables::KIND,
     &pose::KIND,
+    &own::KIND,
 ];
 
 /// The kind of this name.

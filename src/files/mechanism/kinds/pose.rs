@@ -21,7 +21,7 @@ pub(crate) const KIND: FileKind = FileKind {
 };
 
 fn read(source: &Source<'_>, _warned: &mut Vec<String>) -> Result<Made, FileError> {
-    let Source { reader: r, document, convention, home } = *source;
+    let Source { reader: r, document, convention, home, .. } = *source;
     if document.noise.as_ref().is_some_and(|n| n.joint != 0.0) {
         return Err(r.value("[noise] joint", "does not apply to type \"pose\", whose joints are commanded; delete it"));
     }

@@ -24,7 +24,7 @@ pub(crate) const KIND: FileKind = FileKind {
 };
 
 fn read(source: &Source<'_>, warned: &mut Vec<String>) -> Result<Made, FileError> {
-    let Source { reader: r, document, convention, home } = *source;
+    let Source { reader: r, document, convention, home, .. } = *source;
     let geometry = |cause| r.geometry(cause);
     KIND.check_keys(r, &document.legs)?;
     let (legs, nominal_legs) = read_legs(r, &document.legs)?;

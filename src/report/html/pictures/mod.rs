@@ -43,6 +43,7 @@ const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Data evaluated with one model.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ModelResiduals {
     /// Name of the model in legends.
     pub name: String,
