@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use paracal::conditions::Conditions;
 use paracal::diagnosis::{Question, diagnose};
-use paracal::effect::{Environment, catalogue};
+use paracal::effect::{Catalogue, Environment};
 use paracal::identification::{Identifier, LevenbergMarquardt, PriorPolicy, Task};
 use paracal::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use paracal::mechanism::kinds::{Cable, PlanarCables, Segment};
@@ -114,7 +114,7 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
         data: &data,
         environment: Environment::default(),
         convention: PoseConvention::default(),
-        catalogue: catalogue(),
+        catalogue: Catalogue::standard(),
         noise_known: false,
         seed: 0,
     };

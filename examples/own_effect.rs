@@ -1,24 +1,28 @@
 //! An effect from outside the crate: a leg that grows with the current of its motor.
 //!
-//! A motor that holds a load is warm, and so is the screw on it. No entry of the catalogue knows of currents; this one reads a
-//! column `motor_current` and stands in a diagnosis beside all others. Without it the finding would be "unknown".
+//! A motor that holds a load is warm, and so is the screw on it. No standard effect knows of currents; this one reads a
+//! column `motor_current`. From the catalogue that the mechanism file is read with it goes all the way: it is diagnosed,
+//! written to the extended file, read back from there, and commanded. Without it the finding would be "unknown".
 //!
 //! Run with `cargo run --release --example own_effect`.
 
 use std::error::Error;
 use std::sync::Arc;
 
-use paracal::conditions::Conditions;
+use paracal::conditions::{ConditionKind, Conditions, Variation};
 use paracal::diagnosis::{Diagnosis, Question, diagnose};
-use paracal::effect::{ActiveEffect, Effect, EffectParameter, Extended};
+use paracal::effect::{ActiveEffect, Compensator, Effect, EffectParameter, Extended};
 use paracal::effect::{AvailableData, EffectContext, Environment, Perturbation, Scan, ScanPoint, Site};
-use paracal::files::Machine;
+use paracal::files::{Machine, ReadOptions};
 use paracal::measurement::{Dataset, Sample};
 use paracal::simulation::{Command, as_dataset, draw_parameters, simulate_run};
 use paracal::units::Dimension;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
-const CURRENT: &str = "motor_current";
+/// The column of the current, A.
+pub const CURRENT: &str = "motor_current";
+/// Rows of the run.
+pub const ROWS: usize = 80;
 
 #[derive(Clone, Copy, Debug)]
 /// The effect of this example.
@@ -53,16 +57,34 @@ impl Effect for MotorHeat {
     }
 }
 
-/// A machine with wrong anchors whose leg 3 grows by 1.5 µm per ampere, measured at 80 poses.
+/// What the mechanism file is read with: the standard effects and conditions, the effect of this example, and the condition
+/// that it names. The entry of the condition says how further measurements may vary it; without one the column would be
+/// read all the same.
+pub fn reading() -> ReadOptions {
+    let current = ConditionKind::new(CURRENT, Dimension::None, "motor current");
+    let current = current.varied(Variation::Evenly([0.5, 4.5]));
+    ReadOptions::default().with_effect(MotorHeat).with_condition(current)
+}
+
+/// A machine with wrong anchors whose leg 3 grows by 1.5 µm per ampere, measured at 80 poses with currents between 0.5 and
+/// 4.5 A.
 pub fn measured(machine: &Machine) -> Result<Dataset, Box<dyn Error>> {
+    measured_with(machine, |_, rng| rng.random_range(0.5..4.5))
+}
+
+/// The same with the current of each row.
+pub fn measured_with(
+    machine: &Machine,
+    current: impl Fn(usize, &mut ChaCha8Rng) -> f64,
+) -> Result<Dataset, Box<dyn Error>> {
     let (nominal, workspace) = (machine.plain(), machine.workspace.ok_or("the file states a workspace")?);
     let (noise, mut rng) = (machine.noise.ok_or("the file states the noise")?, ChaCha8Rng::seed_from_u64(3));
-    let mut command = |_| {
+    let mut command = |row| {
         let mut state = Conditions::unknown();
-        state.covariates.insert(CURRENT.into(), rng.random_range(0.5..4.5));
+        state.covariates.insert(CURRENT.into(), current(row, &mut rng));
         Command { pose: workspace.random(&mut rng), state }
     };
-    let run: Vec<Command> = (0..80).map(&mut command).collect();
+    let run: Vec<Command> = (0..ROWS).map(&mut command).collect();
     let inner = nominal.with_values(&draw_parameters(nominal, None, &mut rng), nominal.home())?;
     let heat = ActiveEffect {
         effect: Arc::new(MotorHeat),
@@ -80,16 +102,30 @@ pub fn measured(machine: &Machine) -> Result<Dataset, Box<dyn Error>> {
     Ok(Dataset::new(readings.iter().zip(states).map(with_state).collect(), Arc::clone(readings.model()), noise))
 }
 
-/// What the catalogue and the new effect find in the data.
+/// What the effects of the machine's catalogue explain in the data.
 pub fn run(machine: &Machine) -> Result<Diagnosis, Box<dyn Error>> {
-    let data = measured(machine)?;
-    let mut question = Question::of(machine, &data);
-    question.catalogue.push(Arc::new(MotorHeat));
-    Ok(diagnose(&question)?)
+    Ok(diagnose(&Question::of(machine, &measured(machine)?))?)
+}
+
+/// The lengths to command for home with this current in the motors.
+pub fn commanded(machine: &Machine, current: f64) -> Result<Vec<f64>, Box<dyn Error>> {
+    let mut state = Conditions::unknown();
+    state.covariates.insert(CURRENT.into(), current);
+    let effects = machine.effects();
+    let mut compensator = Compensator::new(machine.plain(), machine.environment(), &effects, false)?;
+    Ok(compensator.command(&machine.mechanism.home(), &state)?.joints)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let machine = Machine::read(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml"))?;
-    print!("{}", paracal::report::text::diagnosis(&run(&machine)?, machine.mechanism.name()));
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
+    let machine = Machine::read_with(path, &reading())?;
+    let found = run(&machine)?;
+    print!("{}", paracal::report::text::diagnosis(&found, machine.mechanism.name()));
+
+    let extended = machine.extended_document(&found)?.to_text();
+    println!("\nThe extended file ends with\n{}", &extended[extended.find("[[effect]]").unwrap_or(0)..]);
+    let extended = Machine::from_text_with(&extended, "extended.toml".as_ref(), &reading())?;
+    let (cold, warm) = (commanded(&extended, 0.0)?, commanded(&extended, 4.0)?);
+    println!("At 4 A leg 3 is commanded {:.2} um shorter than at none.", 1e6 * (cold[2] - warm[2]));
     Ok(())
 }

@@ -189,7 +189,7 @@ fn refitted(machine: &Machine, result: &Calibration, measurement: &Measurement) 
     let on_measurement = machine.instrument_with(&result.identification.own_values());
     let mut effects: Vec<ActiveEffect> =
         effects_of(result.mechanism.as_ref()).iter().cloned().chain(on_measurement).collect();
-    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data));
+    effects.iter_mut().for_each(|e| e.range = e.range_over(&measurement.data, machine.condition_kinds()));
     let sigmas: Vec<Vec<f64>> = effects
         .iter()
         .map(|effect| {

@@ -86,7 +86,7 @@ impl DiagnosisArgs {
         })?;
         let conditions = match (&self.conditions, states.len()) {
             (None, _) => {
-                format!("assumed (--conditions FILE states your own): {}", Machine::REFERENCE_CONDITIONS)
+                format!("assumed (--conditions FILE states your own): {}", machine.reference_conditions_in_words())
             }
             (Some(path), rows) if rows < n => format!(
                 "conditions from {}, whose {rows} rows are \

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use crate::conditions::Conditions;
-use crate::files::{CsvTable, Machine, Measurement, UrdfOptions, number, pose_columns, read_measurement};
+use crate::files::{CsvTable, Machine, Measurement, ReadOptions, number, pose_columns, read_measurement};
 use crate::identification::IdentifyError;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
@@ -36,8 +36,8 @@ pub(crate) struct Ui {
     pub(crate) json: bool,
     /// Suppress progress and warnings.
     pub(crate) quiet: bool,
-    /// Options that supply what a URDF file lacks.
-    pub(crate) urdf: UrdfOptions,
+    /// What mechanism files are read with.
+    pub(crate) reading: ReadOptions,
     /// The warnings so far, for the page.
     pub(crate) warnings: RefCell<Vec<String>>,
 }
@@ -85,7 +85,7 @@ impl Ui {
 
     /// Reads a mechanism file and prints its warnings.
     pub(crate) fn machine(&self, path: &Path) -> Result<Machine> {
-        let machine = Machine::read_with(path, &self.urdf)?;
+        let machine = Machine::read_with(path, &self.reading)?;
         machine.warnings.iter().for_each(|w| self.warn(w));
         Ok(machine)
     }
@@ -286,5 +286,6 @@ pub(crate) fn page_subject<'a>(
     // Noise of the joints makes errors of a size that differs from pose to pose.
     let noise = machine.noise.as_ref().filter(|n| n.joint == 0.0).map(|n| [n.position, n.rotation]);
     let warnings = ui.warnings.borrow().clone();
-    html::Subject { mechanism, convention: &machine.convention, noise, warnings, settings }
+    let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
+    html::Subject { mechanism, convention, condition_kinds, noise, warnings, settings }
 }

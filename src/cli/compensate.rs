@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::conditions::{ConditionKind, ConditionTable};
 use crate::effect::{ActiveEffect, ActsOn, Compensated, Compensator};
 use crate::files::{ListedPose, Outputs, read_pose_list};
 use crate::units::{Dimension, shortened};
@@ -67,7 +68,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         rows.push(found);
     }
     warnings.extend(lacking(&rows));
-    warnings.extend(extrapolated(&rows));
+    warnings.extend(extrapolated(&rows, machine.condition_kinds()));
 
     let table_row = |(listed, found): (&ListedPose, &Compensated)| JointsAndPose {
         id: listed.id.clone(),
@@ -151,7 +152,7 @@ struct Outside {
 }
 
 /// Which covariates are outside of the range on which an effect was fitted.
-fn extrapolated(rows: &[Compensated]) -> Vec<String> {
+fn extrapolated(rows: &[Compensated], kinds: &ConditionTable) -> Vec<String> {
     let mut found: BTreeMap<(String, String), Outside> = BTreeMap::new();
     for (row, compensated) in rows.iter().enumerate() {
         for e in &compensated.outside {
@@ -163,7 +164,7 @@ fn extrapolated(rows: &[Compensated]) -> Vec<String> {
     }
     let mut said = Vec::with_capacity(found.len());
     for ((label, covariate), Outside { rows, values, range }) in found {
-        let (unit, per_si) = shown_unit(&covariate);
+        let (unit, per_si) = shown_unit(&covariate, kinds);
         let [low, high] = values.map(|v| v * per_si);
         let [from, to] = range.map(|v| v * per_si);
         let value = if low == high { format!("{low:.4}") } else { format!("{low:.4} to {high:.4}") };
@@ -176,14 +177,8 @@ fn extrapolated(rows: &[Compensated]) -> Vec<String> {
     said
 }
 
-/// The unit in which a covariate is shown, and how many of it make one SI unit.
-fn shown_unit(covariate: &str) -> (&'static str, f64) {
-    match covariate {
-        c if c.starts_with("temp_") => (" degC", 1.0),
-        "elevation" | "azimuth" => (" deg", 1.0_f64.to_degrees()),
-        "payload" => (" kg", 1.0),
-        "time" => (" s", 1.0),
-        c if c.starts_with("length_leg") || c.starts_with("travel_leg") => (" mm", 1e3),
-        _ => ("", 1.0),
-    }
+/// The unit in which a covariate is shown, after a blank, and how many of it make one SI unit.
+fn shown_unit(covariate: &str, kinds: &ConditionTable) -> (String, f64) {
+    let unit = kinds.of(covariate).map(ConditionKind::unit).filter(|unit| unit.dimension != Dimension::None);
+    unit.map_or_else(|| (String::new(), 1.0), |unit| (format!(" {}", unit.name), 1.0 / unit.factor))
 }

@@ -1,6 +1,6 @@
 //! `--effect 'NAME[leg=3]=VALUE,…'`.
 
-use crate::effect::{ActiveEffect, EffectContext, EffectParameter, effect};
+use crate::effect::{ActiveEffect, EffectContext, EffectParameter};
 use crate::files::{EffectEntry, Machine};
 use anyhow::{Result, anyhow, bail};
 
@@ -15,7 +15,7 @@ pub fn effect_entry(text: &str, machine: &Machine) -> Result<(EffectEntry, Activ
             "{place}: {problem}; write NAME=VALUE,… or NAME[leg=3]=VALUE,…, values in SI, such as drift.leg[leg=3]=2e-5"
         )
     })?;
-    if let Some(known) = effect(&entry.name) {
+    if let Some(known) = machine.catalogue().get(&entry.name) {
         let expected = known.parameters(&EffectContext::new(machine.plain(), machine.environment()));
         if values.len() != expected.len() {
             let found = values.len();

@@ -28,6 +28,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::files::ReadOptions;
 use common::{Ui, report_error};
 pub use effect_args::effect_entry;
 
@@ -95,7 +96,8 @@ pub fn main() -> ExitCode {
 /// # Errors
 /// What is wrong with the call, the files that it names or the place of its outputs.
 pub fn run(cli: &Cli) -> Result<ExitCode> {
-    let ui = Ui { json: cli.json, quiet: cli.quiet, urdf: cli.urdf.options()?, warnings: RefCell::default() };
+    let reading = ReadOptions { urdf: cli.urdf.options()?, ..ReadOptions::default() };
+    let ui = Ui { json: cli.json, quiet: cli.quiet, reading, warnings: RefCell::default() };
     match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use crate::conditions::{ConditionKind, Role};
 use crate::diagnosis::{MeasurementPlan, Verdict, diagnose, settle};
 use crate::files::{CsvTable, Machine, number};
 use crate::report::{json, text};
@@ -58,20 +59,13 @@ fn plan_table(machine: &Machine, plan: &MeasurementPlan) -> Result<CsvTable> {
     let mut table = joints_and_poses(machine, plan.what.clone(), &rows);
     let names = plan.samples.first().map(|s| s.conditions.covariates.keys().cloned().collect::<Vec<_>>());
     for name in names.unwrap_or_default() {
-        let dimension = match name.as_str() {
-            n if n.starts_with("temp_") => Dimension::Temperature,
-            "elevation" | "azimuth" => Dimension::Angle,
-            "payload" => Dimension::Mass,
-            // When the plan is carried out is not for the plan to say.
-            "time" => continue,
-            _ => Dimension::None,
-        };
-        let unit = match dimension {
-            Dimension::Angle => Unit::named("deg").unwrap_or_else(|| Unit::si(dimension)),
-            other => Unit::si(other),
-        };
-        let suffix = if dimension == Dimension::None { String::new() } else { format!("_{}", unit.name) };
-        table.header.push(format!("{name}{suffix}"));
+        let kind = machine.condition_kinds().of(&name);
+        // When the plan is carried out is not for the plan to say.
+        if kind.is_some_and(|kind| kind.role == Role::Clock) {
+            continue;
+        }
+        table.header.push(kind.map_or_else(|| name.clone(), |kind| kind.column(&name)));
+        let unit = kind.map_or_else(|| Unit::si(Dimension::None), ConditionKind::unit);
         for (row, sample) in table.rows.iter_mut().zip(&plan.samples) {
             let value = sample.conditions.get(&name);
             row.push(value.map_or_else(String::new, |v| number(unit.from_si(v))));

@@ -201,7 +201,7 @@ fn with_effects(machine: &Machine, asked: &[String], list: &PoseList, path: &Pat
         }
         document.effects.push(entry);
     }
-    let mut actual = Machine::from_document(document, &machine.path)?;
+    let mut actual = machine.with_document(document)?;
     let states = || list.poses.iter().map(|l| &l.conditions);
     actual.refer_to(states(), &path.display().to_string()).iter().for_each(|w| ui.warn(w));
     let context = EffectContext::new(actual.plain(), actual.environment());

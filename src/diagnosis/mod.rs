@@ -5,7 +5,7 @@
 //! | verdict | meaning |
 //! |---|---|
 //! | clean | the residuals are noise |
-//! | named | causes of the [catalogue](crate::effect::catalogue()) explain it |
+//! | named | causes of the [catalogue](crate::effect::Catalogue) explain it |
 //! | tied | they do, but the data do not exclude other names |
 //! | unknown | an error depends on a covariate, or is at a leg, and no name explains it |
 //! | misread | the file was read wrongly: a sign, a unit, an order |

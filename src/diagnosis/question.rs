@@ -1,8 +1,6 @@
 //! What a diagnosis starts from.
 
-use std::sync::Arc;
-
-use crate::effect::{Effect, Environment};
+use crate::effect::{Catalogue, Environment};
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 use crate::pose::PoseConvention;
@@ -22,7 +20,7 @@ pub struct Question<'a> {
     /// How the data write poses.
     pub convention: PoseConvention,
     /// The effects that are looked for.
-    pub catalogue: Vec<Arc<dyn Effect>>,
+    pub catalogue: Catalogue,
     /// True if the stated noise is taken as known; otherwise only its ratio of position to rotation is.
     pub noise_known: bool,
     /// Seed of the folds.

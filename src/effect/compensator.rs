@@ -76,7 +76,7 @@ impl Compensator {
         let model = Extended::new(inner, Arc::clone(environment), moving);
         let context = EffectContext::new(model.inner(), environment);
         let needs_run = |e: &ActiveEffect| {
-            let without = AvailableData { run: false, ..AvailableData::everything(&context, &e.at) };
+            let without = AvailableData { run: false, ..AvailableData::everything(&context, e.effect.as_ref(), &e.at) };
             !e.effect.missing(&context, &without).is_empty()
         };
         let remembers = model.effects().iter().any(needs_run);
@@ -142,7 +142,7 @@ impl Compensator {
         let active = used.filter(|e| lacking.iter().all(|(label, _)| *label != e.label()));
         let outside = active.flat_map(|e| {
             let named = |(covariate, value, range)| Extrapolated { effect: e.label(), covariate, value, range };
-            e.outside_range(&at, &joints).into_iter().map(named)
+            e.outside_range(&at, &joints, &environment.condition_kinds).into_iter().map(named)
         });
         let answer = Compensated { outside: outside.collect(), joints: joints.clone(), taken, seen, lacking };
         self.commanded.push(joints);

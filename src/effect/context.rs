@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6xX, Vector3};
 
-use crate::conditions::Conditions;
+use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent};
 use crate::measurement::Dataset;
 use crate::mechanism::{Body, Mechanism, ParameterRole};
 use crate::pose::Pose;
@@ -25,6 +25,8 @@ pub struct Sensor {
 /// Surroundings of the mechanism as its file states them, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Environment {
+    /// What the covariates of its data mean.
+    pub condition_kinds: ConditionTable,
     /// Temperature at which the geometry holds, °C.
     pub reference_temperature: Option<f64>,
     /// Reference temperatures of single covariates where no common one is stated, °C: the means of the run.
@@ -54,19 +56,22 @@ impl Environment {
     /// This environment with the means over the states of a list as references where none are stated.
     #[must_use]
     pub fn with_references_among<'a>(&self, states: impl Iterator<Item = &'a Conditions>) -> Self {
+        let kinds = &self.condition_kinds;
+        let of_legs: Vec<&ConditionKind> =
+            kinds.iter().filter(|k| k.is_temperature() && k.extent == Extent::EachLeg).collect();
         let mut sums: BTreeMap<String, (f64, f64)> = BTreeMap::new();
-        let mut legs = (0.0, 0.0);
+        let mut add = |name: String, value: f64| {
+            let sum = sums.entry(name).or_default();
+            *sum = (sum.0 + value, sum.1 + 1.0);
+        };
         for state in states {
-            for (name, value) in state.covariates.iter().filter(|(n, _)| n.starts_with("temp_")) {
-                let sum = sums.entry(name.clone()).or_default();
-                *sum = (sum.0 + value, sum.1 + 1.0);
+            let means = of_legs.iter().filter_map(|kind| Some((kind.of_all_legs(), state.mean_of_legs(&kind.name)?)));
+            let means: BTreeMap<String, f64> = means.collect();
+            let recorded = state.covariates.iter().filter(|(name, _)| kinds.is_temperature(name));
+            for (name, value) in recorded.filter(|(name, _)| !means.contains_key(*name)) {
+                add(name.clone(), *value);
             }
-            if let Some(t) = state.leg_temperature() {
-                legs = (legs.0 + t, legs.1 + 1.0);
-            }
-        }
-        if legs.1 > 0.0 {
-            sums.insert("temp_legs".into(), legs);
+            means.into_iter().for_each(|(name, mean)| add(name, mean));
         }
         let mut with = self.clone();
         for (name, (sum, count)) in sums {
@@ -135,9 +140,9 @@ impl AvailableData {
         self.covariates.contains(covariate)
     }
 
-    /// The temperature columns, by name.
-    pub fn temperatures(&self) -> Vec<String> {
-        self.covariates.iter().filter(|n| n.starts_with("temp_")).cloned().collect()
+    /// The covariates that are temperatures, by name.
+    pub fn temperatures(&self, kinds: &ConditionTable) -> Vec<String> {
+        self.covariates.iter().filter(|name| kinds.is_temperature(name)).cloned().collect()
     }
 }
 
@@ -215,11 +220,6 @@ impl<'a> EffectContext<'a> {
         self.mechanism.parameters().iter().all(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
             && !self.mechanism.parameters().is_empty()
     }
-
-    /// The column name of a leg's temperature.
-    pub fn leg_temperature(leg: usize) -> String {
-        format!("temp_leg{}", leg + 1)
-    }
 }
 
 /// Unit vectors from the base to the platform along the legs.
@@ -256,11 +256,11 @@ pub struct Site<'a> {
 impl Site<'_> {
     /// A temperature less its reference; `None` if it was not recorded.
     pub fn temperature(&self, covariate: &str) -> Option<f64> {
-        let value = match covariate {
-            "temp_legs" => self.conditions.leg_temperature()?,
-            name => self.conditions.get(name)?,
-        };
-        Some(self.context.environment.difference(covariate, value))
+        let environment = self.context.environment;
+        // Most are recorded under their own name, and this is asked for every leg of every sample.
+        let recorded = self.conditions.get(covariate);
+        let value = recorded.or_else(|| environment.condition_kinds.value(covariate, self.conditions, self.joints))?;
+        Some(environment.difference(covariate, value))
     }
 
     /// Unit vectors along the legs, from base to platform.

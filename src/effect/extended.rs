@@ -10,7 +10,8 @@ use super::context::Home;
 use super::{ActsOn, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole, ParameterSpec,
+    Extension, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
+    ParameterSpec,
 };
 use crate::pose::Pose;
 
@@ -65,13 +66,14 @@ pub fn without_effects(mechanism: &dyn Mechanism) -> &dyn Mechanism {
     extended(mechanism).map_or(mechanism, Extended::inner)
 }
 
-/// The effects around a mechanism.
+/// The effects around a mechanism, also through whatever wraps it and hands on its
+/// [`extension`](Mechanism::extension).
 pub fn effects_of(mechanism: &dyn Mechanism) -> &[ActiveEffect] {
     extended(mechanism).map_or(&[], Extended::effects)
 }
 
 fn extended(mechanism: &dyn Mechanism) -> Option<&Extended> {
-    (mechanism as &dyn Any).downcast_ref()
+    (mechanism.extension()? as &dyn Any).downcast_ref()
 }
 
 /// Prior standard deviation of an effect's parameter over its usual size.
@@ -204,7 +206,17 @@ impl Extended {
     }
 }
 
+impl Extension for Extended {
+    fn inner(&self) -> &dyn Mechanism {
+        self.inner()
+    }
+}
+
 impl Mechanism for Extended {
+    fn extension(&self) -> Option<&dyn Extension> {
+        Some(self)
+    }
+
     fn name(&self) -> &str {
         self.inner.name()
     }

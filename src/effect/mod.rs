@@ -19,7 +19,7 @@
 //! | gravity | `compliance.*`, `sag.*` | |
 //! | time | `drift.*`, `step.*` | |
 //!
-//! [`Effect`] is the trait; your own effects work like those of the [`catalogue()`]. [`Extended`] is a
+//! [`Effect`] is the trait; your own effects work like those of the crate in a [`Catalogue`]. [`Extended`] is a
 //! mechanism with effects, and again a [`Mechanism`](crate::mechanism::Mechanism): identification, pose selection, compensation and files work with
 //! it unchanged. Effects on the measurement are parameters of the measurement ([`WithInstrumentEffects`]).
 
@@ -34,7 +34,7 @@ mod scan;
 
 use std::fmt::Debug;
 
-pub use catalogue::{catalogue, effect};
+pub use catalogue::Catalogue;
 pub use compensator::{Compensated, Compensator, Extrapolated};
 pub use context::{AvailableData, EffectContext, Environment, Sensor, Site};
 pub(crate) use extended::label;
@@ -113,7 +113,9 @@ pub trait Effect: Debug + Send + Sync {
         &[]
     }
 
-    /// Covariates that it depends on at a point of its scan, for the range in which it was fitted.
+    /// Covariates that it depends on at a point of its scan, by the names of the
+    /// [table of conditions](crate::conditions::ConditionTable) or of other columns: for the range in which it was fitted,
+    /// and for measurements that vary them.
     fn covariates(&self, at: &ScanPoint) -> Vec<String>;
 
     /// Adds what the effect does at a site. `theta` has the length of [`parameters`](Self::parameters); `out` has been

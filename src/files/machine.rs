@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::effect::{ActiveEffect, Environment, without_effects};
+use crate::conditions::ConditionTable;
+use crate::effect::{ActiveEffect, Catalogue, Environment, without_effects};
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::sections::PlaneSection;
 use crate::files::mechanism::units::FileUnits;
@@ -34,6 +35,8 @@ pub struct Machine {
     pub contact: Contact,
     /// Surroundings of the mechanism.
     pub(super) environment: Arc<Environment>,
+    /// The effects that its file may state.
+    pub(super) catalogue: Catalogue,
     /// Effects of its file on the measurement.
     pub(super) instrument: Vec<ActiveEffect>,
     /// Unit of its lengths.
@@ -51,6 +54,16 @@ impl Machine {
     /// The mechanism without the effects of its file.
     pub fn plain(&self) -> &dyn Mechanism {
         without_effects(self.mechanism.as_ref())
+    }
+
+    /// The effects that its file may state and that a diagnosis looks for.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// What the covariates of its data mean.
+    pub fn condition_kinds(&self) -> &ConditionTable {
+        &self.environment.condition_kinds
     }
 
     /// Every file that it was read from.

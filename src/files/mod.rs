@@ -14,6 +14,7 @@ mod mechanism;
 mod open;
 mod outputs;
 mod questions;
+mod read_options;
 mod readings;
 mod table;
 mod urdf;
@@ -27,6 +28,7 @@ pub use mechanism::sections::{
     OffsetSection, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection, WorkspaceSection,
 };
 pub use outputs::Outputs;
+pub use read_options::ReadOptions;
 #[cfg(feature = "cli")]
 pub(crate) use readings::{KINDS as READING_KINDS, pose::pose_columns, reading_kind};
 pub use table::measurement_file::{Measurement, read_measurement};

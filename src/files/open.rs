@@ -7,7 +7,7 @@ use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::read::build;
 use crate::files::mechanism::reader::Reader;
-use crate::files::urdf::options::UrdfOptions;
+use crate::files::read_options::ReadOptions;
 use crate::files::urdf::output::is_urdf;
 use crate::files::urdf::read as urdf;
 use crate::files::urdf::side::names_a_urdf;
@@ -19,14 +19,14 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        Self::read_with(path, &UrdfOptions::default())
+        Self::read_with(path, &ReadOptions::default())
     }
 
-    /// Reads a mechanism file, with options that supply what a URDF file lacks.
+    /// Reads a mechanism file with effects and conditions of your own, or with options that supply what a URDF file lacks.
     ///
     /// # Errors
-    /// [`FileError`] naming the place and what to do; also if `options` are given for a file without URDF.
-    pub fn read_with(path: impl AsRef<Path>, options: &UrdfOptions) -> Result<Self, FileError> {
+    /// [`FileError`] naming the place and what to do; also if options of URDF are given for another file.
+    pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, FileError> {
         let path = path.as_ref();
         let text = read_text(path)?;
         let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
@@ -36,11 +36,11 @@ impl Machine {
         if let Some(robot) = names_a_urdf(&text) {
             return urdf::read_named(path, &text, &robot, options);
         }
-        if !options.is_empty() {
+        if !options.urdf.is_empty() {
             let problem = "closures, links and joint coordinates are for URDF files only, and this is not one";
             return Err(value("the call", format!("{problem}; leave the options out")));
         }
-        let machine = Self::from_text(&text, path);
+        let machine = Self::from_text_with(&text, path, options);
         let robot = path.with_extension("urdf");
         if matches!(
             &machine,
@@ -59,12 +59,20 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_text(text: &str, path: &Path) -> Result<Self, FileError> {
+        Self::from_text_with(text, path, &ReadOptions::default())
+    }
+
+    /// Reads the text of a mechanism file as [`read_with`](Self::read_with) reads a file; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_text_with(text: &str, path: &Path, options: &ReadOptions) -> Result<Self, FileError> {
         if urdf::is_xml(text) {
-            return urdf::from_text(path, text, &UrdfOptions::default());
+            return urdf::from_text(path, text, options);
         }
         let document: MechanismDocument = toml::from_str(text)
             .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
-        Self::from_document(document, path)
+        Self::from_document_with(document, path, options)
     }
 
     /// The machine of a document; `path` is only named in errors.
@@ -72,6 +80,33 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_document(document: MechanismDocument, path: &Path) -> Result<Self, FileError> {
-        build(&Reader::of(path, &document)?, document)
+        Self::from_document_with(document, path, &ReadOptions::default())
+    }
+
+    /// The machine of a document with effects and conditions of one's own; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn from_document_with(
+        document: MechanismDocument,
+        path: &Path,
+        options: &ReadOptions,
+    ) -> Result<Self, FileError> {
+        build(&Reader::of(path, &document)?, document, options)
+    }
+
+    /// The machine of another document, with the effects and conditions that this one was read with.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the place and what to do.
+    pub fn with_document(&self, document: MechanismDocument) -> Result<Self, FileError> {
+        let options = ReadOptions {
+            catalogue: self.catalogue.clone(),
+            condition_kinds: self.condition_kinds().clone(),
+            ..ReadOptions::default()
+        };
+        let mut other = Self::from_document_with(document, &self.path, &options)?;
+        other.inputs.clone_from(&self.inputs);
+        Ok(other)
     }
 }

@@ -1,7 +1,7 @@
 //! From a machine and its data to a question for the diagnosis, and from its answer to an extended machine.
 
 use crate::diagnosis::{Cause, Diagnosis, Question};
-use crate::effect::{ActiveEffect, catalogue};
+use crate::effect::ActiveEffect;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
@@ -18,9 +18,7 @@ impl Machine {
         }
         let mut document = self.document.clone();
         document.effects.clear();
-        let mut plain = Self::from_document(document, &self.path)?;
-        plain.inputs = self.inputs;
-        Ok(plain)
+        self.with_document(document)
     }
 
     /// The file of the extended model that a diagnosis of this machine found, in the frames of the drawing.
@@ -56,7 +54,7 @@ impl Machine {
 }
 
 impl<'a> Question<'a> {
-    /// What does this machine get wrong in these data? All effects of the catalogue are looked for, and of the stated noise
+    /// What does this machine get wrong in these data? All effects of its catalogue are looked for, and of the stated noise
     /// only the ratio is used. Data of a machine whose file has effects are read with the machine
     /// [`without_effects`](Machine::without_effects), so that these are looked for anew.
     pub fn of(machine: &'a Machine, data: &'a Dataset) -> Self {
@@ -65,7 +63,7 @@ impl<'a> Question<'a> {
             data,
             environment: (**machine.environment()).clone(),
             convention: machine.convention,
-            catalogue: catalogue(),
+            catalogue: machine.catalogue().clone(),
             noise_known: false,
             seed: 0,
         }

@@ -103,6 +103,12 @@ pub trait Mechanism: Any + Debug + Send + Sync {
         Body::Platform.points(self, self.values()).into_iter().map(|(_, point)| point).collect()
     }
 
+    /// What was put around a mechanism to make this one; `None` if nothing was. A mechanism that wraps another hands on
+    /// what that one answers, or its effects are lost on the way to files and reports.
+    fn extension(&self) -> Option<&dyn Extension> {
+        None
+    }
+
     /// The closure residual and its three Jacobians at a pose, in one pass.
     ///
     /// `out` has the sizes of [`Linearization::sized_for`] and is overwritten. Where there is no value the
@@ -141,6 +147,13 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     ) -> Result<(), KinematicsError> {
         motion_block_by_closure(self, c, joints, pose, at, out)
     }
+}
+
+/// Something around a mechanism that has parameters of its own, such as the effects of
+/// [`Extended`](crate::effect::Extended).
+pub trait Extension: Any + Debug + Send + Sync {
+    /// The mechanism without it.
+    fn inner(&self) -> &dyn Mechanism;
 }
 
 /// Closure residual and Jacobians at one pose.

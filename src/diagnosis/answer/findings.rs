@@ -1,5 +1,6 @@
 //! From the end of the search to the answer.
 
+use crate::conditions::TIME;
 use crate::diagnosis::answer::causes::causes;
 use crate::diagnosis::answer::evidence::joint_residuals;
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
@@ -41,7 +42,7 @@ pub(crate) fn findings(
     let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
-        effect.range = effect.range_over(&subject.data.subset(&kept));
+        effect.range = effect.range_over(&subject.data.subset(&kept), &subject.environment.condition_kinds);
     }
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
@@ -86,7 +87,7 @@ fn conclude(
     model: &Model<'_>,
     without: &Model<'_>,
 ) -> Result<Conclusion, DiagnoseError> {
-    let known = covariates(subject.data);
+    let known = covariates(subject.data, &subject.environment.condition_kinds);
     let mut causes = causes(subject, state, model)?;
     let mut unknown = remainder(model, &known).filter(|u| !is_rounding(state, without, model, u.leg));
     let mut withdrawn = false;
@@ -101,7 +102,7 @@ fn conclude(
     if unknown.is_none() && patchwork(subject, &state.names) {
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
-            covariate: Some(if known.iter().any(|c| c.name == "time") { "time".into() } else { "row".into() }),
+            covariate: Some(if known.iter().any(|c| c.name == TIME) { TIME.into() } else { "row".into() }),
             ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
@@ -167,7 +168,7 @@ fn patchwork(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> bool {
         name.from.is_some() && names[..k].iter().any(|other| other.group == name.group)
     };
     let about_time =
-        |name: &&Hypothesis| group(name).effect.covariates(&group(name).places[name.place].at).contains(&"time".into());
+        |name: &&Hypothesis| group(name).effect.covariates(&group(name).places[name.place].at).contains(&TIME.into());
     names.iter().enumerate().any(twice) || names.iter().filter(about_time).count() >= 3
 }
 

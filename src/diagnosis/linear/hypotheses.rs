@@ -11,8 +11,8 @@ use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::unit_joint::UnitJoint;
 use crate::effect::{
-    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Extended, Scan,
-    ScanPoint, WithInstrumentEffects,
+    ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, EffectParameter, Environment, Extended,
+    Scan, ScanPoint, WithInstrumentEffects,
 };
 use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
 use crate::measurement::Dataset;
@@ -88,7 +88,7 @@ impl<'a> Hypotheses<'a> {
         data: &'a Dataset,
         environment: Arc<Environment>,
         prior: Prior,
-        catalogue: &[Arc<dyn Effect>],
+        catalogue: &Catalogue,
     ) -> (Self, Vec<NotTestable>) {
         let available = AvailableData::of(data);
         let mut groups = Vec::new();

@@ -4,36 +4,74 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use crate::conditions::Conditions;
-use crate::diagnosis::answer::result::Diagnosis;
+use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent, Part, Role, TIME, of_leg};
+use crate::diagnosis::answer::result::{Cause, Diagnosis};
 use crate::diagnosis::question::Question;
-use crate::effect::{ScanPoint, effect};
+use crate::effect::ScanPoint;
 use crate::measurement::{DataRow, Sample};
 use crate::mechanism::Mechanism;
+use crate::units::three_digits;
 
 /// Samples that a plan adds.
 const ADDED: usize = 12;
+/// By how much bodies are heated, and single ones among them, K.
+const WARM: f64 = 2.0;
+const HOT: f64 = 5.0;
+
+/// What to do in a sentence, and the samples to add.
+pub(crate) type Plan = (String, Vec<Sample>);
 
 /// The present data, then plans for what the names and their rivals depend on.
-pub(crate) fn scenarios(
-    question: &Question<'_>,
-    mechanism: &dyn Mechanism,
-    found: &Diagnosis,
-) -> Vec<(String, Vec<Sample>)> {
-    let data = question.data;
-    let n = data.len();
-    let chosen: Vec<&Sample> = (0..ADDED).map(|k| data.sample(k * (n - 1) / (ADDED - 1))).collect();
-    let last = &data.sample(n - 1).conditions;
-    let first = &data.sample(0).conditions;
-    let depends = depends_on(found);
-    let leg = found.causes.iter().find_map(|c| c.leg.or_else(|| c.tied_with.iter().find_map(|r| r.leg))).unwrap_or(0);
-    let temperatures: Vec<String> = last.covariates.keys().filter(|k| k.starts_with("temp_")).cloned().collect();
-    let legs: Vec<&String> = temperatures.iter().filter(|t| t.starts_with("temp_leg")).collect();
-    // After the run, with its last conditions, one more change each.
-    let plan = |change: &dyn Fn(usize, &mut Conditions)| -> Vec<Sample> {
-        let mut previous = data.sample(n - 1).joints.clone();
+pub(crate) fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, found: &Diagnosis) -> Vec<Plan> {
+    let further = Further::new(question, mechanism, found);
+    let mut all = vec![("nothing more: the present data only".into(), Vec::new()), further.same(), further.wide()];
+    all.extend(further.temperatures());
+    all.extend(further.conditions());
+    all
+}
+
+/// What further measurements start from: the run, its poses, and what the names and their rivals depend on.
+struct Further<'a> {
+    question: &'a Question<'a>,
+    mechanism: &'a dyn Mechanism,
+    kinds: &'a ConditionTable,
+    /// Samples of the run whose poses are measured again.
+    chosen: Vec<&'a Sample>,
+    /// The conditions at the end of the run.
+    last: &'a Conditions,
+    /// Covariates that the names and their rivals depend on.
+    depends: BTreeSet<String>,
+    /// The leg that is named.
+    leg: usize,
+}
+
+impl<'a> Further<'a> {
+    fn new(question: &'a Question<'a>, mechanism: &'a dyn Mechanism, found: &Diagnosis) -> Self {
+        let data = question.data;
+        let n = data.len();
+        let of_rivals = |c: &Cause| c.tied_with.iter().find_map(|r| r.leg);
+        Self {
+            question,
+            mechanism,
+            kinds: &question.environment.condition_kinds,
+            chosen: (0..ADDED).map(|k| data.sample(k * (n - 1) / (ADDED - 1))).collect(),
+            last: &data.sample(n - 1).conditions,
+            depends: depends_on(question, found),
+            leg: found.causes.iter().find_map(|c| c.leg.or_else(|| of_rivals(c))).unwrap_or(0),
+        }
+    }
+
+    /// True if a name or a rival depends on a kind of condition that acts in such a way.
+    fn depends_on_role(&self, fits: impl Fn(Role) -> bool) -> bool {
+        self.depends.iter().any(|name| self.kinds.of(name).is_some_and(|kind| fits(kind.role)))
+    }
+
+    /// The chosen poses after the run, with its last conditions and one change to each.
+    fn plan(&self, change: impl Fn(usize, &mut Conditions)) -> Vec<Sample> {
+        let n = self.question.data.len();
+        let mut previous = self.question.data.sample(n - 1).joints.clone();
         let make = |(k, s): (usize, &&Sample)| {
-            let mut conditions = last.clone();
+            let mut conditions = self.last.clone();
             conditions.previous_joints = Some(std::mem::replace(&mut previous, s.joints.clone()));
             if let Some(run) = &mut conditions.run {
                 run.row = n + k;
@@ -42,122 +80,182 @@ pub(crate) fn scenarios(
             change(k, &mut conditions);
             Sample { id: None, row: DataRow(n + k), joints: s.joints.clone(), conditions }
         };
-        chosen.iter().enumerate().map(make).collect()
-    };
-    let mut all: Vec<(String, Vec<Sample>)> = vec![("nothing more: the present data only only".into(), Vec::new())];
-    let same = plan(&|k, c| {
-        let time = c.get("time");
-        c.covariates.clone_from(&chosen[k].conditions.covariates);
-        c.gravity = chosen[k].conditions.gravity;
-        if let Some(time) = time {
-            c.covariates.insert("time".into(), time);
-        }
-    });
-    all.push((format!("{ADDED} more poses under the conditions of the run"), same));
-    let mut wide = plan(&|_, _| {});
-    for sample in &mut wide {
-        let at = Conditions::unknown();
-        let pose = mechanism.forward(mechanism.values(), &sample.joints, &at, &mechanism.home());
-        let twice = pose.ok().and_then(|pose| {
-            let (q, home) =
-                (question.convention.coordinates(&pose), question.convention.coordinates(&mechanism.home()));
-            let far: [f64; 6] = std::array::from_fn(|k| 2.0 * q[k] - home[k]);
-            mechanism.inverse(mechanism.values(), &question.convention.pose(&far), &at).ok()
-        });
-        if let Some(joints) = twice.filter(|joints| mechanism.within_strokes(joints)) {
-            sample.joints = joints;
-        }
+        self.chosen.iter().enumerate().map(make).collect()
     }
-    all.push((format!("{ADDED} poses twice as far from home"), wide));
-    if !temperatures.is_empty() && (depends.contains("temperature") || depends.contains("time")) {
-        let cooled = plan(&|_, c| {
-            for name in &temperatures {
-                if let Some(t) = first.get(name) {
-                    c.covariates.insert(name.clone(), t);
-                }
+
+    fn same(&self) -> Plan {
+        let samples = self.plan(|k, c| {
+            let time = c.get(TIME);
+            c.covariates.clone_from(&self.chosen[k].conditions.covariates);
+            c.gravity = self.chosen[k].conditions.gravity;
+            if let Some(time) = time {
+                c.covariates.insert(TIME.into(), time);
             }
         });
-        all.push((
-            format!(
-                "{ADDED} poses after the machine has returned to the temperatures of the first \
-                           row"
-            ),
-            cooled,
-        ));
-        let recorded = |name: &str| temperatures.iter().find(|t| *t == name).map(|t| vec![t]);
-        let heated = |names: &[&String], by: f64| plan(&|_, c| heat(c, names, by));
-        if !legs.is_empty() {
-            all.push((format!("{ADDED} poses with only the legs heated by 2 K"), heated(&legs, 2.0)));
+        (format!("{ADDED} more poses under the conditions of the run"), samples)
+    }
+
+    fn wide(&self) -> Plan {
+        let mut samples = self.plan(|_, _| {});
+        for sample in &mut samples {
+            if let Some(joints) = self.twice_as_far(&sample.joints).filter(|j| self.mechanism.within_strokes(j)) {
+                sample.joints = joints;
+            }
         }
-        let own = format!("temp_leg{}", leg + 1);
-        if let Some(names) = recorded(&own) {
-            all.push((format!("{ADDED} poses with only leg {} heated by 5 K", leg + 1), heated(&names, 5.0)));
+        (format!("{ADDED} poses twice as far from home"), samples)
+    }
+
+    /// The joints of the pose twice as far from home.
+    fn twice_as_far(&self, joints: &[f64]) -> Option<Vec<f64>> {
+        let (mechanism, convention, at) = (self.mechanism, &self.question.convention, Conditions::unknown());
+        let pose = mechanism.forward(mechanism.values(), joints, &at, &mechanism.home()).ok()?;
+        let (q, home) = (convention.coordinates(&pose), convention.coordinates(&mechanism.home()));
+        let far: [f64; 6] = std::array::from_fn(|k| 2.0 * q[k] - home[k]);
+        mechanism.inverse(mechanism.values(), &convention.pose(&far), &at).ok()
+    }
+
+    /// The temperatures that are recorded and of which `fits` is true.
+    fn recorded(&self, fits: impl Fn(&str, &ConditionKind, Part) -> bool) -> Vec<String> {
+        let is_one = |name: &&String| {
+            self.kinds.of(name).is_some_and(|kind| match kind.role {
+                Role::Temperature(part) => fits(name, kind, part),
+                _ => false,
+            })
+        };
+        self.last.covariates.keys().filter(is_one).cloned().collect()
+    }
+
+    /// Plans that heat and cool.
+    fn temperatures(&self) -> Vec<Plan> {
+        let all = self.recorded(|_, _, _| true);
+        let depends = self.depends_on_role(|role| matches!(role, Role::Temperature(_) | Role::Clock));
+        if all.is_empty() || !depends {
+            return Vec::new();
         }
+        let first = &self.question.data.sample(0).conditions;
+        let cooled = self.plan(|_, c| {
+            c.covariates.extend(all.iter().filter_map(|name| Some((name.clone(), first.get(name)?))));
+        });
+        let cooled =
+            (format!("{ADDED} poses after the machine has returned to the temperatures of the first row"), cooled);
+        let heated = |what: &str, names: &[String], by: f64| {
+            let samples = || self.plan(|_, c| heat(c, names, by));
+            (!names.is_empty()).then(|| (format!("{ADDED} poses with only {what} heated by {by} K"), samples()))
+        };
+        let body = |wanted: Part| self.recorded(|_, kind, part| part == wanted && kind.extent == Extent::Machine);
+        let (platform, base) = (body(Part::Platform), body(Part::Base));
+        let legs = self.recorded(|_, _, part| part == Part::Leg);
+        let own = self.recorded(|name, _, part| part == Part::Leg && self.kinds.leg_of(name) == Some(self.leg));
         // One thing after the other settles what no single one does.
-        let all_legs = (!legs.is_empty()).then(|| legs.clone());
-        let bodies: Vec<Vec<&String>> = [recorded("temp_platform"), recorded("temp_base"), all_legs, recorded(&own)]
-            .into_iter()
-            .flatten()
-            .collect();
-        if bodies.len() > 1 {
-            let in_turn = plan(&|k, c| heat(c, &bodies[k % bodies.len()], 5.0));
-            let what = "poses with each body in turn (platform, base, all legs, one leg) heated by 5 K";
-            all.push((format!("{ADDED} {what}"), in_turn));
-        }
-        for (name, part) in [("temp_platform", "platform"), ("temp_base", "base")] {
-            if let Some(names) = recorded(name) {
-                all.push((format!("{ADDED} poses with only the {part} heated by 2 K"), heated(&names, 2.0)));
+        let parts = [&platform, &base, &legs, &own];
+        let bodies: Vec<&Vec<String>> = parts.into_iter().filter(|names| !names.is_empty()).collect();
+        let in_turn = (bodies.len() > 1).then(|| {
+            let samples = self.plan(|k, c| heat(c, bodies[k % bodies.len()], HOT));
+            let what = "each body in turn (platform, base, all legs, one leg)";
+            (format!("{ADDED} poses with {what} heated by {HOT} K"), samples)
+        });
+        let plans = [
+            Some(cooled),
+            heated("the legs", &legs, WARM),
+            heated(&format!("leg {}", self.leg + 1), &own, HOT),
+            in_turn,
+            heated("the platform", &platform, WARM),
+            heated("the base", &base, WARM),
+        ];
+        plans.into_iter().flatten().collect()
+    }
+
+    /// Plans that take other conditions to the ends of their variation, or of what was recorded.
+    fn conditions(&self) -> Vec<Plan> {
+        let weighs = |role| matches!(role, Role::Direction | Role::Load);
+        let gravity = self.depends_on_role(weighs) && self.last.gravity.is_some();
+        let mut plans = Vec::new();
+        for kind in self.kinds.iter() {
+            match kind.role {
+                Role::Direction if gravity => plans.extend(self.tipped(kind)),
+                Role::Load if gravity => plans.extend(self.in_turn(kind)),
+                Role::Reading if self.depends.iter().any(|name| self.kinds.of(name) == Some(kind)) => {
+                    plans.extend(self.in_turn(kind));
+                }
+                _ => {}
             }
         }
+        let unlisted = self.depends.iter().filter(|name| self.kinds.of(name).is_none());
+        plans.extend(unlisted.filter_map(|name| {
+            let ends = self.range(name)?;
+            let what = format!("{name} {} and {}", three_digits(ends[0]), three_digits(ends[1]));
+            Some(self.to_ends(&what, std::slice::from_ref(name), ends))
+        }));
+        plans
     }
-    if depends.contains("gravity") && last.gravity.is_some() {
-        let tipped = plan(&|k, c| {
-            let from = &chosen[k].conditions;
-            let degrees = if k % 2 == 0 { 20.0_f64 } else { 90.0 };
-            let elevation = degrees.to_radians();
+
+    /// Gravity at both ends of the angle from which it follows.
+    fn tipped(&self, kind: &ConditionKind) -> Option<Plan> {
+        let ends = kind.ends()?;
+        let samples = self.plan(|k, c| {
+            let elevation = ends[k % 2];
             // Gravity stays in the plane in which it was.
-            let across = from.gravity.map(|g| Vector3::new(g.x, g.y, 0.0)).filter(|g| g.norm() > 1e-6);
+            let from = self.chosen[k].conditions.gravity;
+            let across = from.map(|g| Vector3::new(g.x, g.y, 0.0)).filter(|g| g.norm() > 1e-6);
             let axis = across.map_or_else(Vector3::x, |g| g.normalize());
             c.gravity = Some(axis * elevation.cos() - Vector3::z() * elevation.sin());
-            c.covariates.insert("elevation".into(), elevation);
+            c.covariates.insert(kind.name.to_string(), elevation);
         });
-        all.push((format!("{ADDED} poses alternating between elevation 20 deg and 90 deg"), tipped));
-        if last.get("payload").is_some() {
-            let loaded = plan(&|k, c| {
-                c.covariates.insert("payload".into(), if k % 2 == 0 { 0.0 } else { 100.0 });
-            });
-            all.push((format!("{ADDED} poses alternating between no payload and 100 kg"), loaded));
-        }
+        Some((format!("{ADDED} poses alternating between {}", between(kind, ends)), samples))
     }
-    all
+
+    /// A condition at its ends in turn, and, if there is one for each leg, that of the named leg alone.
+    fn in_turn(&self, kind: &ConditionKind) -> Vec<Plan> {
+        let recorded = |name: &&String| self.kinds.of(name) == Some(kind);
+        let names: Vec<String> = self.last.covariates.keys().filter(recorded).cloned().collect();
+        let Some(ends) = kind.ends().or_else(|| self.range(names.first()?)).filter(|_| !names.is_empty()) else {
+            return Vec::new();
+        };
+        let what = between(kind, ends);
+        let own = of_leg(&kind.name, self.leg);
+        let alone = (kind.extent == Extent::EachLeg && names.len() > 1 && names.contains(&own))
+            .then(|| self.to_ends(&format!("{what} at leg {} only", self.leg + 1), &[own], ends));
+        std::iter::once(self.to_ends(&what, &names, ends)).chain(alone).collect()
+    }
+
+    fn to_ends(&self, what: &str, names: &[String], ends: [f64; 2]) -> Plan {
+        let samples = self.plan(|k, c| c.covariates.extend(names.iter().map(|name| (name.clone(), ends[k % 2]))));
+        (format!("{ADDED} poses alternating between {what}"), samples)
+    }
+
+    /// Smallest and largest value of a covariate in the run; `None` if it was not recorded throughout, or did not change.
+    fn range(&self, name: &str) -> Option<[f64; 2]> {
+        let values: Option<Vec<f64>> = self.question.data.iter().map(|s| s.conditions.get(name)).collect();
+        let values = values?;
+        let range = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
+        (range[0] < range[1]).then_some(range)
+    }
 }
 
 /// Raises these temperatures.
-fn heat(conditions: &mut Conditions, names: &[&String], by: f64) {
+fn heat(conditions: &mut Conditions, names: &[String], by: f64) {
     for name in names {
-        if let Some(t) = conditions.covariates.get_mut(*name) {
+        if let Some(t) = conditions.covariates.get_mut(name) {
             *t += by;
         }
     }
 }
 
-/// Kinds of conditions that the names and their rivals depend on.
-fn depends_on(found: &Diagnosis) -> BTreeSet<&'static str> {
-    let names = found
-        .causes
-        .iter()
-        .flat_map(|c| c.tied_with.iter().map(|r| r.effect.as_str()).chain(std::iter::once(c.effect.as_str())));
-    let mut kinds = BTreeSet::new();
-    for name in names {
-        let Some(effect) = effect(name) else { continue };
-        for covariate in effect.covariates(&ScanPoint::leg(0)) {
-            kinds.insert(match covariate.as_str() {
-                c if c.starts_with("temp_") => "temperature",
-                "elevation" | "payload" => "gravity",
-                "time" => "time",
-                _ => "other",
-            });
-        }
+/// Both ends of a variation, SI, in words: `elevation 20 deg and 90 deg`, `no payload and 100 kg`.
+fn between(kind: &ConditionKind, [from, to]: [f64; 2]) -> String {
+    match kind.role {
+        Role::Load if from == 0.0 => format!("no {} and {}", kind.label, kind.shown(to)),
+        _ => format!("{} {} and {}", kind.label, kind.shown(from), kind.shown(to)),
     }
-    kinds
+}
+
+/// The covariates that the names and their rivals depend on.
+fn depends_on(question: &Question<'_>, found: &Diagnosis) -> BTreeSet<String> {
+    let names = found.causes.iter().map(|c| (&c.effect, c.leg, &c.of));
+    let rivals = found.causes.iter().flat_map(|c| &c.tied_with).map(|r| (&r.effect, r.leg, &r.of));
+    let covariates = |(name, leg, of): (&String, Option<usize>, &Option<String>)| {
+        let at = ScanPoint { covariate: of.clone(), ..ScanPoint::leg(leg.unwrap_or(0)) };
+        question.catalogue.get(name).map(|effect| effect.covariates(&at)).unwrap_or_default()
+    };
+    names.chain(rivals).flat_map(covariates).collect()
 }

@@ -1,5 +1,6 @@
 //! Covariates recorded with the samples, and those that follow from the commands.
 
+use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::measurement::Dataset;
 
 /// A covariate of every sample.
@@ -26,7 +27,7 @@ impl Covariate {
 }
 
 /// The recorded and derived covariates that change.
-pub(crate) fn covariates(data: &Dataset) -> Vec<Covariate> {
+pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariate> {
     let mut all: Vec<Covariate> = Vec::new();
     let mut add = |name: String, leg: Option<usize>, waves: bool, get: &dyn Fn(usize) -> Option<f64>| {
         let values: Option<Vec<f64>> = (0..data.len()).map(get).collect();
@@ -41,22 +42,31 @@ pub(crate) fn covariates(data: &Dataset) -> Vec<Covariate> {
     let Some(first) = (!data.is_empty()).then(|| data.sample(0)) else { return all };
     let names: Vec<&String> = first.conditions.covariates.keys().collect();
     for name in &names {
-        let leg = name.strip_prefix("temp_leg").and_then(|n| n.parse::<usize>().ok()?.checked_sub(1));
-        let waves = matches!(name.as_str(), "time" | "azimuth");
+        let kind = kinds.of(name).filter(|kind| kind.is_recorded());
+        let leg = kind.and_then(|_| kinds.leg_of(name));
+        let waves = kind.is_some_and(|kind| kind.repeats);
         add((*name).clone(), leg, waves, &|k| data.sample(k).conditions.get(name));
     }
-    if !names.iter().any(|n| *n == "temp_legs") {
-        add("temp_legs".into(), None, false, &|k| data.sample(k).conditions.leg_temperature());
+    for kind in kinds.iter().filter(|kind| kind.is_recorded() && kind.extent == Extent::EachLeg) {
+        let mean = kind.of_all_legs();
+        if !names.contains(&&mean) {
+            add(mean, None, false, &|k| data.sample(k).conditions.mean_of_legs(&kind.name));
+        }
     }
-    if !names.iter().any(|n| *n == "time") {
+    if !names.iter().any(|n| *n == TIME) {
         add("row".into(), None, true, &|k| Some(data.sample(k).row.0 as f64));
     }
     for leg in 0..first.joints.len() {
-        add(format!("length_leg{}", leg + 1), Some(leg), true, &|k| data.sample(k).joints.get(leg).copied());
-        add(format!("travel_leg{}", leg + 1), Some(leg), false, &|k| {
-            let s = data.sample(k);
-            Some(s.joints.get(leg)? - s.conditions.previous_joints.as_ref()?.get(leg)?)
-        });
+        // The direction of approach is the sign of the travel, whose steps show it.
+        for kind in kinds.iter().filter(|kind| searched(kind.role)) {
+            let name = of_leg(&kind.name, leg);
+            let value = |k: usize| kinds.value(&name, &data.sample(k).conditions, &data.sample(k).joints);
+            add(name.clone(), Some(leg), kind.repeats, &value);
+        }
     }
     all
+}
+
+fn searched(role: Role) -> bool {
+    matches!(role, Role::Commanded(Commanded::Coordinate | Commanded::Travel))
 }

@@ -64,7 +64,7 @@ impl SearchState {
     ) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
         let model = self.model(subject, self.names.clone())?;
         let all = distances(&self.full, &model, &subject.groups, &self.left_out);
-        Ok(noise::noise_varies(&all, &covariates(subject.data), &self.kept()))
+        Ok(noise::noise_varies(&all, &covariates(subject.data, &subject.environment.condition_kinds), &self.kept()))
     }
 
     /// σ of the rows of each joint over the stated one.

@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use crate::conditions::TIME;
 use crate::diagnosis::answer::result::{Unknown, UnknownTest};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::model::{Hypothesis, Model};
@@ -247,7 +248,7 @@ pub(crate) fn rival(
 ) -> Option<Unknown> {
     let mut all = smooths(without, covariates);
     // Steps in time have names.
-    all.extend(jumps(without, covariates).into_iter().filter(|f| f.covariate != "time" && f.covariate != "row"));
+    all.extend(jumps(without, covariates).into_iter().filter(|f| f.covariate != TIME && f.covariate != "row"));
     let tests = all.len();
     let best = all.into_iter().max_by(|a, b| a.worth.total_cmp(&b.worth))?;
     // What is not significant by itself withdraws nothing.

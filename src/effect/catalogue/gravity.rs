@@ -7,6 +7,7 @@
 use nalgebra::{Vector3, Vector6};
 
 use super::{describe, move_frame, unrecorded};
+use crate::conditions::{ELEVATION, PAYLOAD};
 use crate::effect::{ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::units::Dimension;
@@ -19,7 +20,7 @@ fn gravity_missing(available: &AvailableData) -> Vec<String> {
 }
 
 fn elevation() -> Vec<String> {
-    vec!["elevation".into()]
+    vec![ELEVATION.into()]
 }
 
 /// Joint displacements under a weight `force` at the platform point `place`, per unit compliance: by virtual work the
@@ -88,7 +89,7 @@ impl Effect for CompliancePayload {
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = gravity_missing(available);
-        missing.extend(unrecorded(available, &["payload"]));
+        missing.extend(unrecorded(available, &[PAYLOAD]));
         if context.environment.payload_centre.is_none() {
             missing.push("[platform] payload_centre".into());
         }
@@ -103,11 +104,11 @@ impl Effect for CompliancePayload {
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        vec!["payload".into(), "elevation".into()]
+        vec![PAYLOAD.into(), ELEVATION.into()]
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let load = site.conditions.get("payload");
+        let load = site.conditions.get(PAYLOAD);
         let centre = site.context.environment.payload_centre;
         if let (Some(gravity), Some(mass), Some(centre)) = (site.conditions.gravity, load, centre) {
             loaded(site, &centre, &(gravity * (mass * G)), theta[0], out);

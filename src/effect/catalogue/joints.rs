@@ -5,13 +5,14 @@
 //! that range.
 
 use super::{describe, of_legs, per_leg};
+use crate::conditions::APPROACH_LEG;
 use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::pose::rotation_vector;
 use crate::units::Dimension;
 
 fn approaches(at: &ScanPoint) -> Vec<String> {
-    of_legs("approach_leg", at)
+    of_legs(APPROACH_LEG, at)
 }
 
 /// Play that shows by the direction of approach.

@@ -8,6 +8,7 @@
 use std::f64::consts::TAU;
 
 use super::{describe, of_legs, per_leg};
+use crate::conditions::LENGTH_LEG;
 use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, ScanPoint, Site};
 use crate::units::Dimension;
 
@@ -17,7 +18,7 @@ fn needs_legs(context: &EffectContext<'_>) -> Vec<String> {
 }
 
 fn own_length(at: &ScanPoint) -> Vec<String> {
-    of_legs("length_leg", at)
+    of_legs(LENGTH_LEG, at)
 }
 
 /// All joints move by a common factor too far.

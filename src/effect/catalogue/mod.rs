@@ -27,6 +27,9 @@
 //!
 //! Misplaced trackers, misplaced targets and offsets of legs are not in the catalogue: the kinematic parameters
 //! contain them to rounding (18 of the 42 directions), and a diagnosis that finds them is wrong.
+//!
+//! A new effect is a type in the file of its group and a line in the list below; its conditions are entries of the
+//! [table of conditions](crate::conditions).
 
 mod gravity;
 mod joints;
@@ -48,9 +51,72 @@ pub use time::{Course, FrameMoves, LegMoves};
 use nalgebra::{Vector3, Vector6};
 
 use super::Effect;
+use crate::conditions::of_leg;
 
-/// All effects, simpler ones first.
-pub fn catalogue() -> Vec<Arc<dyn Effect>> {
+/// Effects by name: those that are looked for in data and that mechanism files may state. Copies share the effects.
+#[derive(Clone, Debug)]
+pub struct Catalogue {
+    effects: Vec<Arc<dyn Effect>>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self::standard()
+    }
+}
+
+impl Catalogue {
+    /// The effects of this crate.
+    pub fn standard() -> Self {
+        Self { effects: standard() }
+    }
+
+    /// One effect more; it replaces the one of its name.
+    #[must_use]
+    pub fn with(mut self, effect: impl Effect + 'static) -> Self {
+        self.effects.retain(|other| other.name() != effect.name());
+        self.effects.push(Arc::new(effect));
+        self
+    }
+
+    /// The effect of a name.
+    pub fn get(&self, name: &str) -> Option<&Arc<dyn Effect>> {
+        self.iter().find(|effect| effect.name() == name)
+    }
+
+    /// The effects, in the order in which they were added: of the standard ones, simpler ones first.
+    pub fn iter(&self) -> std::slice::Iter<'_, Arc<dyn Effect>> {
+        self.effects.iter()
+    }
+
+    /// Number of effects.
+    pub fn len(&self) -> usize {
+        self.effects.len()
+    }
+
+    /// True without effects.
+    pub fn is_empty(&self) -> bool {
+        self.effects.is_empty()
+    }
+}
+
+impl<'a> IntoIterator for &'a Catalogue {
+    type Item = &'a Arc<dyn Effect>;
+    type IntoIter = std::slice::Iter<'a, Arc<dyn Effect>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// A catalogue of these effects alone.
+impl FromIterator<Arc<dyn Effect>> for Catalogue {
+    fn from_iter<I: IntoIterator<Item = Arc<dyn Effect>>>(effects: I) -> Self {
+        Self { effects: effects.into_iter().collect() }
+    }
+}
+
+fn standard() -> Vec<Arc<dyn Effect>> {
     vec![
         Arc::new(ThermalLegsUniform),
         Arc::new(ThermalLegsIndividual),
@@ -77,11 +143,6 @@ pub fn catalogue() -> Vec<Arc<dyn Effect>> {
         Arc::new(FrameMoves(Course::Step)),
         Arc::new(LegMoves(Course::Step)),
     ]
-}
-
-/// The effect of a name.
-pub fn effect(name: &str) -> Option<Arc<dyn Effect>> {
-    catalogue().into_iter().find(|e| e.name() == name)
 }
 
 /// Name, cause and remedy of an effect.
@@ -111,8 +172,8 @@ fn move_frame(shift: Vector3<f64>, turn: Vector3<f64>, site: &super::Site<'_>, o
 /// Covariates of a stem for every leg that there may be.
 fn of_legs(stem: &str, at: &super::ScanPoint) -> Vec<String> {
     match at.leg {
-        Some(leg) => vec![format!("{stem}{}", leg + 1)],
-        None => (1..=MOST_LEGS).map(|leg| format!("{stem}{leg}")).collect(),
+        Some(leg) => vec![of_leg(stem, leg)],
+        None => (0..MOST_LEGS).map(|leg| of_leg(stem, leg)).collect(),
     }
 }
 

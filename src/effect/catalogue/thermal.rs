@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{describe, of_legs, unrecorded};
+use crate::conditions::{TEMP_BASE, TEMP_LEG, TEMP_LEGS, TEMP_PLATFORM, of_leg};
 use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::solve::svd;
@@ -39,9 +40,9 @@ impl Effect for ThermalLegsUniform {
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let mut missing = needs_lengths(context);
-        let own = (0..context.joints()).all(|leg| available.has(&EffectContext::leg_temperature(leg)));
-        if !available.has("temp_legs") && !own {
-            missing.push("temp_legs".into());
+        let own = (0..context.joints()).all(|leg| available.has(&of_leg(TEMP_LEG, leg)));
+        if !available.has(TEMP_LEGS) && !own {
+            missing.push(TEMP_LEGS.into());
         }
         missing
     }
@@ -51,11 +52,11 @@ impl Effect for ThermalLegsUniform {
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        vec!["temp_legs".into()]
+        vec![TEMP_LEGS.into()]
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(t) = site.temperature("temp_legs") else { return };
+        let Some(t) = site.temperature(TEMP_LEGS) else { return };
         for (delta, length) in out.joints.iter_mut().zip(site.joints) {
             *delta += theta[0] * length * t;
         }
@@ -74,7 +75,7 @@ impl Effect for ThermalLegsIndividual {
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        let names: Vec<String> = (0..context.joints()).map(EffectContext::leg_temperature).collect();
+        let names: Vec<String> = (0..context.joints()).map(|leg| of_leg(TEMP_LEG, leg)).collect();
         let mut missing = needs_lengths(context);
         missing.extend(names.into_iter().filter(|n| !available.has(n)));
         missing
@@ -85,12 +86,12 @@ impl Effect for ThermalLegsIndividual {
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
-        of_legs("temp_leg", at)
+        of_legs(TEMP_LEG, at)
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         for (leg, (delta, length)) in out.joints.iter_mut().zip(site.joints).enumerate() {
-            if let Some(t) = site.temperature(&EffectContext::leg_temperature(leg)) {
+            if let Some(t) = site.temperature(&of_leg(TEMP_LEG, leg)) {
                 *delta += theta[0] * length * t;
             }
         }
@@ -122,12 +123,12 @@ impl Effect for ThermalLegSingle {
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {
-        at.leg.map(EffectContext::leg_temperature).into_iter().collect()
+        at.leg.map(|leg| of_leg(TEMP_LEG, leg)).into_iter().collect()
     }
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let Some(leg) = at.leg else { return };
-        if let Some(t) = site.temperature(&EffectContext::leg_temperature(leg)) {
+        if let Some(t) = site.temperature(&of_leg(TEMP_LEG, leg)) {
             out.joints[leg] += theta[0] * site.joints[leg] * t;
         }
     }
@@ -165,7 +166,7 @@ impl Effect for ThermalPlatform {
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        body_missing(context, available, Body::Platform, "temp_platform")
+        body_missing(context, available, Body::Platform, TEMP_PLATFORM)
     }
 
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
@@ -173,11 +174,11 @@ impl Effect for ThermalPlatform {
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        vec!["temp_platform".into()]
+        vec![TEMP_PLATFORM.into()]
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some(t) = site.temperature("temp_platform") {
+        if let Some(t) = site.temperature(TEMP_PLATFORM) {
             grow(Body::Platform, site, out, |_| theta[0] * t);
         }
     }
@@ -195,7 +196,7 @@ impl Effect for ThermalBase {
     );
 
     fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        body_missing(context, available, Body::Base, "temp_base")
+        body_missing(context, available, Body::Base, TEMP_BASE)
     }
 
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
@@ -203,11 +204,11 @@ impl Effect for ThermalBase {
     }
 
     fn covariates(&self, _at: &ScanPoint) -> Vec<String> {
-        vec!["temp_base".into()]
+        vec![TEMP_BASE.into()]
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some(t) = site.temperature("temp_base") {
+        if let Some(t) = site.temperature(TEMP_BASE) {
             grow(Body::Base, site, out, |_| theta[0] * t);
         }
     }
@@ -289,7 +290,7 @@ impl Effect for ThermalPose {
         if !context.is_pose_space() {
             missing.push("a mechanism of type \"pose\"".into());
         }
-        if available.temperatures().is_empty() {
+        if available.temperatures(&context.environment.condition_kinds).is_empty() {
             missing.push("a column temp_…".into());
         }
         missing
@@ -303,8 +304,8 @@ impl Effect for ThermalPose {
         ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
     }
 
-    fn scan(&self, _setting: &EffectContext<'_>, available: &AvailableData) -> Scan {
-        Scan::Covariates(available.temperatures())
+    fn scan(&self, context: &EffectContext<'_>, available: &AvailableData) -> Scan {
+        Scan::Covariates(available.temperatures(&context.environment.condition_kinds))
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {

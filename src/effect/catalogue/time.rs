@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 
 use super::move_frame;
+use crate::conditions::TIME;
 use crate::effect::{
     ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site,
 };
@@ -37,7 +38,7 @@ fn needs_run(available: &AvailableData) -> Vec<String> {
 }
 
 fn time() -> Vec<String> {
-    vec!["time".into()]
+    vec![TIME.into()]
 }
 
 /// The frame of the instrument drifts or jumps: six parameters of a rigid motion about the origin of the base.

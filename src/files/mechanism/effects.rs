@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::conditions::Conditions;
 use crate::effect::{
-    ActiveEffect, ActsOn, AvailableData, Effect, EffectContext, Environment, Extended, Scan, ScanPoint, catalogue,
-    effect, effects_of,
+    ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, Environment, Extended, Scan, ScanPoint,
+    effects_of,
 };
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
@@ -27,14 +27,14 @@ fn trouble(key: &'static str, problem: impl Into<String>) -> Trouble {
 }
 
 /// The effect that an entry states.
-fn active(entry: &EffectEntry, context: &EffectContext<'_>) -> Result<ActiveEffect, Trouble> {
+fn active(entry: &EffectEntry, context: &EffectContext<'_>, catalogue: &Catalogue) -> Result<ActiveEffect, Trouble> {
     let name = &entry.name;
-    let Some(found) = effect(name) else {
-        let all: Vec<String> = catalogue().iter().map(|e| e.name().to_owned()).collect();
+    let Some(found) = catalogue.get(name).cloned() else {
+        let all: Vec<String> = catalogue.iter().map(|e| e.name().to_owned()).collect();
         return Err(trouble("name", format!("'{name}' is not an effect; the known ones are {}", all.join(", "))));
     };
     let at = place(entry, found.as_ref(), context)?;
-    let lacking = found.missing(context, &AvailableData::everything(context, &at));
+    let lacking = found.missing(context, &AvailableData::everything(context, found.as_ref(), &at));
     if !lacking.is_empty() {
         let problem = format!("needs {}; state it, or delete the effect", lacking.join(" and "));
         return Err(Trouble { key: None, problem });
@@ -90,7 +90,7 @@ fn active(entry: &EffectEntry, context: &EffectContext<'_>) -> Result<ActiveEffe
 /// Where in its scan an effect acts.
 fn place(entry: &EffectEntry, effect: &dyn Effect, context: &EffectContext<'_>) -> Result<ScanPoint, Trouble> {
     let at = ScanPoint { leg: entry.leg.map(|leg| leg.wrapping_sub(1)), row: entry.row, covariate: entry.of.clone() };
-    let scan = effect.scan(context, &AvailableData::everything(context, &at));
+    let scan = effect.scan(context, &AvailableData::everything(context, effect, &at));
     let legs = context.joints();
     let choices = match &scan {
         Scan::Covariates(names) => names.join(", "),
@@ -141,6 +141,7 @@ pub(crate) fn with_effects(
     document: &MechanismDocument,
     mechanism: Box<dyn Mechanism>,
     environment: Environment,
+    catalogue: &Catalogue,
 ) -> Result<Effects, FileError> {
     let mut environment = environment;
     let place = |k: usize| format!("effect {} '{}'", k + 1, document.effects[k].name);
@@ -162,7 +163,7 @@ pub(crate) fn with_effects(
     {
         let context = EffectContext::new(mechanism.as_ref(), &environment);
         for (k, entry) in document.effects.iter().enumerate() {
-            let found = active(entry, &context).map_err(|t| about(r, &place(k), t))?;
+            let found = active(entry, &context, catalogue).map_err(|t| about(r, &place(k), t))?;
             if all.iter().any(|other| other.label() == found.label()) {
                 let problem = format!("{} is stated twice; keep one of them", found.label());
                 return Err(r.value(place(k), problem));
@@ -208,7 +209,8 @@ impl Machine {
     /// [`FileError::Value`] for what a mechanism file with this entry would be refused for.
     pub fn effect(&self, entry: &EffectEntry, place: &str) -> Result<ActiveEffect, FileError> {
         let r = Reader { path: &self.path, units: self.units() };
-        active(entry, &EffectContext::new(self.plain(), &self.environment)).map_err(|t| about(&r, place, t))
+        let context = EffectContext::new(self.plain(), &self.environment);
+        active(entry, &context, &self.catalogue).map_err(|t| about(&r, place, t))
     }
 
     /// Takes the means of temperatures of these states for the references that the file does not state but an effect

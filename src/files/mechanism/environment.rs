@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::conditions::ConditionTable;
 use crate::effect::{Environment, Sensor};
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
@@ -11,7 +12,11 @@ use crate::mechanism::Body;
 use crate::units::{Dimension, Unit};
 
 /// The environment of a document, without the reference temperatures of its effects and without the joints at home.
-pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Result<Environment, FileError> {
+pub(crate) fn environment(
+    r: &Reader<'_>,
+    document: &MechanismDocument,
+    kinds: &ConditionTable,
+) -> Result<Environment, FileError> {
     let reference = document.reference_temperature;
     let platform = document.platform.as_ref();
     let point = |place: &str, p: Option<[f64; 3]>| p.map(|v| r.point(place, &v)).transpose();
@@ -19,7 +24,7 @@ pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Resul
     let pitch = document.actuator.as_ref().and_then(|a| a.screw_pitch);
     let mut sensors: Vec<Sensor> = Vec::with_capacity(document.sensors.len());
     for (k, entry) in document.sensors.iter().enumerate() {
-        let sensor = sensor(r, k, entry)?;
+        let sensor = sensor(r, k, entry, kinds)?;
         if let Some(other) = sensors.iter().position(|s| s.covariate == sensor.covariate) {
             let problem = format!("'{}' is already that of sensor {}; name another", entry.covariate, other + 1);
             return Err(r.value(format!("sensor {}, `covariate`", k + 1), problem));
@@ -27,6 +32,7 @@ pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Resul
         sensors.push(sensor);
     }
     Ok(Environment {
+        condition_kinds: kinds.clone(),
         reference_temperature: reference.map(|v| r.finite("reference_temperature_degC", v)).transpose()?,
         references: BTreeMap::new(),
         mass: mass.map(|v| r.known("[platform] mass_kg", v)).transpose()?,
@@ -38,13 +44,13 @@ pub(crate) fn environment(r: &Reader<'_>, document: &MechanismDocument) -> Resul
     })
 }
 
-fn sensor(r: &Reader<'_>, k: usize, entry: &SensorEntry) -> Result<Sensor, FileError> {
+fn sensor(r: &Reader<'_>, k: usize, entry: &SensorEntry, kinds: &ConditionTable) -> Result<Sensor, FileError> {
     let place = |key: &str| format!("sensor {}, `{key}`", k + 1);
     let name = &entry.covariate;
     let with_unit = name
         .rsplit_once('_')
         .is_some_and(|(_, unit)| Unit::named(unit).is_some_and(|u| u.dimension == Dimension::Temperature));
-    if !name.starts_with("temp_") || with_unit {
+    if !kinds.is_temperature(name) || with_unit {
         let problem =
             "is not the name of a temperature; write that of the data column without its unit, such as \"temp_base1\"";
         return Err(r.value(place("covariate"), format!("'{name}' {problem}")));

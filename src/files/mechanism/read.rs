@@ -11,13 +11,18 @@ use crate::files::mechanism::joint_names::check_joints;
 use crate::files::mechanism::kinds::file_kind::{FileKind, Source};
 use crate::files::mechanism::kinds::{self, KINDS};
 use crate::files::mechanism::reader::Reader;
+use crate::files::read_options::ReadOptions;
 use crate::measurement::{Noise, TargetPoint};
 use crate::mechanism::{Mechanism, Workspace};
 use crate::pose::PoseConvention;
 use crate::units::Dimension;
 
 /// Builds the machine of a document.
-pub(crate) fn build(reader: &Reader<'_>, document: MechanismDocument) -> Result<Machine, FileError> {
+pub(crate) fn build(
+    reader: &Reader<'_>,
+    document: MechanismDocument,
+    options: &ReadOptions,
+) -> Result<Machine, FileError> {
     let kind = kind_of(reader, &document)?;
     let pivot = reader.point("pivot", &document.pivot)?;
     let convention = PoseConvention { order: document.rotation_order, pivot };
@@ -32,9 +37,10 @@ pub(crate) fn build(reader: &Reader<'_>, document: MechanismDocument) -> Result<
     let contact = document.plane.as_ref().map(|p| p.read(reader)).transpose()?.unwrap_or_default();
     let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
     let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
-    let environment = Environment { home_joints, ..environment(reader, &document)? };
-    let Effects { mechanism, instrument, environment } = with_effects(reader, &document, mechanism, environment)?;
-    warnings.extend(check_joints(reader, &document)?);
+    let environment = Environment { home_joints, ..environment(reader, &document, &options.condition_kinds)? };
+    let Effects { mechanism, instrument, environment } =
+        with_effects(reader, &document, mechanism, environment, &options.catalogue)?;
+    warnings.extend(check_joints(reader, &document, &options.condition_kinds)?);
     Ok(Machine {
         path: reader.path.into(),
         mechanism,
@@ -45,6 +51,7 @@ pub(crate) fn build(reader: &Reader<'_>, document: MechanismDocument) -> Result<
         targets,
         contact,
         environment,
+        catalogue: options.catalogue.clone(),
         instrument,
         length_unit: reader.units.length,
         angle_unit: reader.units.angle,

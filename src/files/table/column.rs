@@ -1,5 +1,6 @@
 //! Meaning of a table column, from its name.
 
+use crate::conditions::{ConditionTable, Role};
 use crate::files::table::joint_columns::JointColumn;
 use crate::mechanism::{JointSpec, Mechanism};
 use crate::units::{Dimension, Unit};
@@ -70,6 +71,7 @@ pub(crate) fn column(
     mechanism: &dyn Mechanism,
     readings: ReadingNames<'_>,
     joints: &[JointColumn],
+    kinds: &ConditionTable,
 ) -> Result<Column, String> {
     let (base, unit) = match name.rsplit_once('_') {
         Some((base, suffix)) => match Unit::named(suffix) {
@@ -84,9 +86,9 @@ pub(crate) fn column(
             Ok(Column { name: name.into(), meaning, unit: Some(unit), joint: None })
         }
         Some(unit) => Err(format!("'{}' is not a unit for it; use one of {}", unit.name, dimension.choices())),
-        None => Err(missing_unit(name, base, dimension)),
+        None => Err(missing_unit(name, base, dimension, kinds)),
     };
-    if let Some(meaning) = whole_name(name) {
+    if let Some(meaning) = whole_name(name, kinds) {
         return Ok(Column { name: name.into(), meaning, unit: None, joint: None });
     }
     // A unit that is none of ours: `x_furlong` is meant as a pose column, and must not become a covariate. Beside
@@ -110,8 +112,8 @@ pub(crate) fn column(
         if let Some((reading, dimension)) = readings(candidate) {
             return with(Meaning::Reading(reading), dimension);
         }
-        if candidate.starts_with("temp_") {
-            return with(Meaning::Covariate(candidate.into()), Dimension::Temperature);
+        if let Some(kind) = kinds.of(candidate).filter(|kind| kind.needs_unit && kind.is_recorded()) {
+            return with(Meaning::Covariate(candidate.into()), kind.dimension);
         }
         if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
             if unit.is_none() {
@@ -126,7 +128,7 @@ pub(crate) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, readings, joints);
+        let known = column(&small, &[], mechanism, readings, joints, kinds);
         if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
             return Err(format!("names are lower case; did you mean '{small}'?"));
         }
@@ -135,10 +137,11 @@ pub(crate) fn column(
 }
 
 /// What a name means that ends in no unit.
-fn whole_name(name: &str) -> Option<Meaning> {
+fn whole_name(name: &str, kinds: &ConditionTable) -> Option<Meaning> {
+    let clock = name.strip_suffix("_utc").and_then(|n| kinds.of(n)).is_some_and(|kind| kind.role == Role::Clock);
     match name {
         "id" => Some(Meaning::Id),
-        "time_utc" => Some(Meaning::Clock),
+        _ if clock => Some(Meaning::Clock),
         _ => ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name).map(Meaning::Quaternion),
     }
 }
@@ -155,13 +158,15 @@ fn check_leg(base: &str, joints: &[JointSpec]) -> Result<(), String> {
     Err(format!("the mechanism has legs 1 to {}; correct the number or delete the column", joints.len()))
 }
 
-fn missing_unit(name: &str, base: &str, dimension: Dimension) -> String {
+fn missing_unit(name: &str, base: &str, dimension: Dimension, kinds: &ConditionTable) -> String {
     let choices = dimension.choices();
     let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
-    let stem = if name == base {
-        name.rsplit_once('_').map_or(name, |(s, _)| if s == "cmd" || s == "sigma" || s == "temp" { name } else { s })
-    } else {
-        base
+    // What follows the last underscore is a unit that is none of ours, unless it belongs to the name.
+    let whole = |stem: &str| matches!(stem, "cmd" | "sigma") || kinds.of(name).is_some() && kinds.of(stem).is_none();
+    let stem = match name.rsplit_once('_') {
+        Some((stem, _)) if name == base && !whole(stem) => stem,
+        _ if name == base => name,
+        _ => base,
     };
     format!("the name must end in a unit ({choices}), such as '{stem}_{first}'")
 }

@@ -7,7 +7,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
-use crate::conditions::Conditions;
+use crate::conditions::{ConditionKind, Conditions, Extent, Part, Role, TIME, Variation, of_leg};
 use crate::effect::EffectContext;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
@@ -18,6 +18,7 @@ use crate::files::table::text_table::Table;
 use crate::measurement::{DataRow, Sample};
 use crate::mechanism::{Body, KinematicsError};
 use crate::pose::Pose;
+use crate::units::Dimension;
 
 /// Conditions of a list, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,46 +70,76 @@ const SINES: usize = 7;
 const CORNER: f64 = 2.4;
 /// °C where the mechanism file states no reference temperature.
 const LEVEL: f64 = 20.0;
-/// Elevations, degrees, and loads, kg.
-const ELEVATIONS: [f64; 2] = [20.0, 90.0];
-const LOADS: [f64; 3] = [0.0, 50.0, 100.0];
 /// Steps of three sequences that fill a cube evenly, powers of the root of x⁴ = x + 1; and that of one, the golden ratio.
 const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_3];
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Machine {
     /// The reference campaign in words.
-    pub const REFERENCE_CONDITIONS: &str = "air temperature through 1.5 cycles of 3 K amplitude during the run, each \
-                                            leg varying by 0.8 K about it on its own, platform and base lagging; \
-                                            elevation 20 to 90 deg, azimuth all around, payload 0, 50 or 100 kg";
+    pub fn reference_conditions_in_words(&self) -> String {
+        let air = "air temperature through 1.5 cycles of 3 K amplitude during the run, each leg varying by 0.8 K about it on its \
+                   own, platform and base lagging";
+        let varied: Vec<String> = self.condition_kinds().iter().filter_map(in_words).collect();
+        let varied = if varied.is_empty() { String::new() } else { format!("; {}", varied.join(", ")) };
+        format!("{air}{varied}")
+    }
 
-    /// The conditions of the reference campaign of so many rows, outside of a run.
+    /// The conditions of the reference campaign of so many rows, outside of a run: temperatures follow the air, and every
+    /// other kind takes the variation of its entry, none together with another.
     pub fn reference_conditions(&self, rows: usize) -> Vec<Conditions> {
-        let context = EffectContext::new(self.plain(), self.environment());
-        let mut bodies: Vec<(String, Option<Body>)> = match context.joints_are_lengths() && !context.is_pose_space() {
-            true => (0..context.joints()).map(|leg| (EffectContext::leg_temperature(leg), None)).collect(),
-            false => vec![("temp_legs".into(), None)],
-        };
-        bodies.push(("temp_platform".into(), Some(Body::Platform)));
-        bodies.push(("temp_base".into(), Some(Body::Base)));
-        bodies.extend(self.environment().sensors.iter().map(|s| (s.covariate.clone(), Some(s.body))));
+        let bodies = self.heated_bodies();
+        let spread = self.spread_covariates();
         let level = self.environment().reference_temperature.unwrap_or(LEVEL);
         let axis = self.document.gravity_axis.unwrap_or_default();
         let state = |row: usize| {
             let passed = row as f64 / rows.saturating_sub(1).max(1) as f64;
-            let spread = STEPS.map(|step| (0.5 + step * row as f64).fract());
             let mut state = Conditions::unknown();
-            for (k, (name, body)) in bodies.iter().enumerate() {
-                state.covariates.insert(name.clone(), level + air(*body, passed) + wander(k, passed));
+            for (k, (name, part)) in bodies.iter().enumerate() {
+                state.covariates.insert(name.clone(), level + air(*part, passed) + wander(k, passed));
             }
-            let elevation = (ELEVATIONS[0] + (ELEVATIONS[1] - ELEVATIONS[0]) * spread[0]).to_radians();
-            let load = LOADS[((spread[2] * LOADS.len() as f64) as usize).min(LOADS.len() - 1)];
-            let further = [("elevation", elevation), ("azimuth", TAU * spread[1]), ("payload", load)];
-            state.covariates.extend(further.map(|(name, value)| (name.to_owned(), value)));
-            state.gravity = Some(axis.gravity(elevation));
+            for (k, (name, kind)) in spread.iter().enumerate() {
+                let Some(value) = spread_value(kind, (0.5 + step(k) * row as f64).fract()) else { continue };
+                if kind.role == Role::Direction {
+                    state.gravity = Some(axis.gravity(value));
+                }
+                state.covariates.insert(name.clone(), value);
+            }
             state
         };
         (0..rows).map(state).collect()
+    }
+
+    /// The temperatures that follow the air, and of what they are; those of legs as one where legs do not grow.
+    fn heated_bodies(&self) -> Vec<(String, Part)> {
+        let context = EffectContext::new(self.plain(), self.environment());
+        let growing = context.joints_are_lengths() && !context.is_pose_space();
+        let mut bodies = Vec::new();
+        for kind in self.condition_kinds().iter().filter(|kind| kind.variation == Variation::Air) {
+            let Role::Temperature(part) = kind.role else { continue };
+            match kind.extent {
+                Extent::Machine => bodies.push((kind.name.to_string(), part)),
+                Extent::EachLeg if growing => {
+                    bodies.extend((0..context.joints()).map(|leg| (of_leg(&kind.name, leg), part)));
+                }
+                Extent::EachLeg => bodies.push((kind.of_all_legs(), part)),
+                Extent::Family => {}
+            }
+        }
+        let part = |body| if body == Body::Platform { Part::Platform } else { Part::Base };
+        bodies.extend(self.environment().sensors.iter().map(|s| (s.covariate.clone(), part(s.body))));
+        bodies
+    }
+
+    /// The other covariates that are varied.
+    fn spread_covariates(&self) -> Vec<(String, &ConditionKind)> {
+        let joints = self.mechanism.joints().len();
+        let names = |kind: &ConditionKind| match kind.extent {
+            Extent::Machine => vec![kind.name.to_string()],
+            Extent::EachLeg => (0..joints).map(|leg| of_leg(&kind.name, leg)).collect(),
+            Extent::Family => Vec::new(),
+        };
+        let varied = self.condition_kinds().iter().filter(|kind| kind.ends().is_some());
+        varied.flat_map(|kind| names(kind).into_iter().map(move |name| (name, kind))).collect()
     }
 
     /// The samples of a campaign: these poses in this order, commanded by the geometry without effects, each under the
@@ -131,7 +162,7 @@ impl Machine {
         states.resize(poses.len(), Conditions::unknown());
         if conditions.len() < poses.len() {
             for state in &mut states {
-                state.covariates.remove("time");
+                state.covariates.remove(TIME);
             }
         }
         Conditions::put_in_run(&mut states, joints.clone(), self.environment().home_joints.as_deref());
@@ -140,12 +171,51 @@ impl Machine {
     }
 }
 
-/// The air as a body follows it, K from its mean. Legs follow at once.
-fn air(body: Option<Body>, passed: f64) -> f64 {
-    let behind = match body {
-        None => 0.0,
-        Some(Body::Platform) => BEHIND[0],
-        Some(Body::Base) => BEHIND[1],
+/// The step of the `k`-th sequence: the first three fill a cube evenly, further ones step by a root of a prime each, so that
+/// no two keep in step.
+fn step(k: usize) -> f64 {
+    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let root = |k: usize| (2..).filter(is_prime).nth(k).map_or(GOLDEN, |prime: u32| f64::from(prime).sqrt().fract());
+    STEPS.get(k).copied().unwrap_or_else(|| root(k - STEPS.len()))
+}
+
+/// The value of a kind at a part of its variation between 0 and 1, SI.
+fn spread_value(kind: &ConditionKind, part: f64) -> Option<f64> {
+    let value = match &kind.variation {
+        Variation::Unplanned | Variation::Air => return None,
+        Variation::Evenly([from, to]) => from + (to - from) * part,
+        Variation::Steps(values) => {
+            *values.get(((part * values.len() as f64) as usize).min(values.len().max(1) - 1))?
+        }
+    };
+    Some(kind.unit().to_si(value))
+}
+
+/// What a kind does in the reference campaign: `elevation 20 to 90 deg`, `payload 0, 50 or 100 kg`.
+fn in_words(kind: &ConditionKind) -> Option<String> {
+    let unit = if kind.dimension == Dimension::None { String::new() } else { format!(" {}", kind.unit().name) };
+    let label = &kind.label;
+    match &kind.variation {
+        Variation::Unplanned | Variation::Air => None,
+        Variation::Evenly([from, to]) if unit == " deg" && to - from == TAU.to_degrees() => {
+            Some(format!("{label} all around"))
+        }
+        Variation::Evenly([from, to]) => Some(format!("{label} {from} to {to}{unit}")),
+        Variation::Steps(values) => {
+            let (last, before) = values.split_last()?;
+            let before: Vec<String> = before.iter().map(f64::to_string).collect();
+            let or = if before.is_empty() { "" } else { " or " };
+            Some(format!("{label} {}{or}{last}{unit}", before.join(", ")))
+        }
+    }
+}
+
+/// The air as a part of the machine follows it, K from its mean. Legs follow at once.
+fn air(part: Part, passed: f64) -> f64 {
+    let behind = match part {
+        Part::Leg | Part::Other => 0.0,
+        Part::Platform => BEHIND[0],
+        Part::Base => BEHIND[1],
     };
     let (amplitude, cycles, phase) = AIR;
     amplitude / behind.hypot(1.0) * (TAU * cycles * passed + phase - behind.atan()).sin()

@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, ELEVATION, TIME};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::sections::GravityAxis;
@@ -52,7 +52,7 @@ impl States {
                 match &column.meaning {
                     Meaning::Covariate(name) if !ignored.contains(&k) => {
                         let Some(value) = table.number(row, k)? else { continue };
-                        if name.starts_with("temp_") && value < ABSOLUTE_ZERO {
+                        if machine.condition_kinds().is_temperature(name) && value < ABSOLUTE_ZERO {
                             return Err(table.cell_error(
                                 row,
                                 k,
@@ -61,13 +61,13 @@ impl States {
                         }
                         match gravity.elevation == Some(Elevation::Zenith(k)) {
                             // So that the two mean one covariate.
-                            true => state.covariates.insert("elevation".into(), std::f64::consts::FRAC_PI_2 - value),
+                            true => state.covariates.insert(ELEVATION.into(), std::f64::consts::FRAC_PI_2 - value),
                             false => state.covariates.insert(name.clone(), value),
                         };
                     }
                     Meaning::Clock => {
                         if let Some(since) = clock.since_first(table, row, k)? {
-                            state.covariates.entry("time".into()).or_insert(since);
+                            state.covariates.entry(TIME.into()).or_insert(since);
                         }
                     }
                     _ => {}
@@ -154,7 +154,7 @@ impl Gravity {
             }
             known.then_some(k)
         };
-        let elevation = match (angle("elevation"), angle("zenith_distance")) {
+        let elevation = match (angle(ELEVATION), angle("zenith_distance")) {
             (Some(_), Some(zenith)) => {
                 return Err(FileError::Column {
                     path: table.path.clone(),
@@ -187,7 +187,7 @@ impl Gravity {
                 }
             }
         }
-        let elevation = self.elevation.and_then(|_| state.get("elevation"));
+        let elevation = self.elevation.and_then(|_| state.get(ELEVATION));
         Ok(elevation.map(|el| self.axis.gravity(el)))
     }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Table {
 impl Table {
     /// Reads a table and what its columns mean for a machine and for the kinds of reading.
     pub(crate) fn read(path: &Path, machine: &Machine, readings: ReadingNames<'_>) -> Result<Self, FileError> {
-        let joints = machine.joint_columns();
+        let (mechanism, joints) = (machine.mechanism.as_ref(), machine.joint_columns());
         let (header, rows) = read_cells(path)?;
         let mut columns: Vec<Column> = Vec::with_capacity(header.len());
         for name in &header {
@@ -28,7 +28,7 @@ impl Table {
             if name.is_empty() {
                 return Err(problem("has no name".into()));
             }
-            let of = |name: &str| column(name, &header, machine.mechanism.as_ref(), readings, &joints);
+            let of = |name: &str| column(name, &header, mechanism, readings, &joints, machine.condition_kinds());
             if let Some(usual) = without_brackets(name)
                 && of(&usual).is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_)))
             {

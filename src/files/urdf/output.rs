@@ -29,7 +29,11 @@ impl Outputs {
             self.add(path, document.to_text())?;
             return Ok(WrittenMechanism::default());
         }
-        let files = Machine::from_document(document.clone(), path)?.to_urdf()?;
+        // Effects and sensors go to the side file as they stand: whoever wrote them knows effects that are not known here.
+        let plain = MechanismDocument { effects: Vec::new(), sensors: Vec::new(), ..document.clone() };
+        let mut machine = Machine::from_document(plain, path)?;
+        machine.document = document.clone();
+        let files = machine.to_urdf()?;
         self.add(path, files.robot)?;
         let mut written = WrittenMechanism { side: None, warnings: files.warnings };
         let side = path.with_extension("toml");

@@ -9,7 +9,6 @@ use super::description::Description;
 use super::extract::extract;
 use super::findings::Findings;
 use super::found::{Found, FoundLeg};
-use super::options::UrdfOptions;
 use super::side::{PerLeg, SideDocument, parse};
 use super::xml;
 use crate::conditions::Conditions;
@@ -20,6 +19,7 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::read::build;
 use crate::files::mechanism::reader::Reader;
 use crate::files::mechanism::sections::LegEntry;
+use crate::files::read_options::ReadOptions;
 use crate::mechanism::condition;
 use crate::pose::{Pose, PoseConvention};
 
@@ -29,12 +29,12 @@ pub(in crate::files) fn is_xml(text: &str) -> bool {
 }
 
 /// Reads a URDF file and what stands beside it.
-pub(in crate::files) fn read(path: &Path, text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+pub(in crate::files) fn read(path: &Path, text: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     machine(path, text, options, Beside::find(path, None)?)
 }
 
 /// Reads the text of a URDF file alone.
-pub(in crate::files) fn from_text(path: &Path, text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
+pub(in crate::files) fn from_text(path: &Path, text: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     machine(path, text, options, Beside::default())
 }
 
@@ -43,7 +43,7 @@ pub(in crate::files) fn read_named(
     toml: &Path,
     text: &str,
     urdf: &str,
-    options: &UrdfOptions,
+    options: &ReadOptions,
 ) -> Result<Machine, FileError> {
     let document: SideDocument = parse(text, toml)?;
     let path = toml.parent().unwrap_or(Path::new("")).join(urdf);
@@ -53,9 +53,9 @@ pub(in crate::files) fn read_named(
     Ok(machine)
 }
 
-fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Result<Machine, FileError> {
+fn machine(path: &Path, text: &str, options: &ReadOptions, beside: Beside) -> Result<Machine, FileError> {
     let refused = |findings: Vec<Finding>| FileError::Urdf { path: path.into(), findings };
-    let mut settings = beside.settings(options)?;
+    let mut settings = beside.settings(&options.urdf)?;
     let home_joints = beside.home_joints();
     let Beside { toml, mut files, warnings, .. } = beside;
     let (side_path, document) = toml.unzip();
@@ -90,7 +90,7 @@ fn machine(path: &Path, text: &str, options: &UrdfOptions, beside: Beside) -> Re
         pivot: Vector3::from(document.pivot).map(|v| reader.units.length.to_si(v)),
     };
     fill(&mut document, &found, per_leg, &reader, &convention);
-    let mut machine = build(&reader, document).map_err(|error| match error {
+    let mut machine = build(&reader, document, options).map_err(|error| match error {
         FileError::Geometry { cause, .. } => FileError::Geometry { path: path.into(), cause },
         error => error,
     })?;

@@ -31,7 +31,7 @@ pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'
     let mut sections = vec![Section { id: "errors", title: "Errors before and after calibration", parts: errors }];
     if let Some(calibrated) = measured.models.first() {
         let layers = [Layer { name: &calibrated.name, colour: 0, residuals }];
-        let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
+        let strips = strips(measured.data, subject, &layers, &marked, &[]);
         let parts = strips.into_iter().map(Part::picture).collect();
         sections.push(Section { id: "legs", title: "Residuals, leg by leg", parts });
     }

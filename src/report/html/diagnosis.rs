@@ -114,7 +114,7 @@ fn legs(d: &Diagnosis, subject: &Subject<'_>, data: &Dataset) -> Vec<Part> {
     let of_unknown = d.unknown.iter().flat_map(|u| u.covariate.iter().chain(&u.runner_up));
     let further: Vec<&str> =
         of_unknown.chain(d.causes.iter().filter_map(|c| c.of.as_ref())).map(String::as_str).collect();
-    let strips = strips(data, subject.mechanism.joints(), &layers, &d.outlier_rows, &further);
+    let strips = strips(data, subject, &layers, &d.outlier_rows, &further);
     strips.into_iter().map(Part::picture).collect()
 }
 

@@ -23,7 +23,7 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
     let models = measured.models.iter().enumerate();
     let layers: Vec<Layer<'_>> =
         models.map(|(colour, seen)| Layer { name: &seen.name, colour, residuals: seen.in_joints() }).collect();
-    let strips = strips(measured.data, subject.mechanism.joints(), &layers, &marked, &[]);
+    let strips = strips(measured.data, subject, &layers, &marked, &[]);
     Page {
         title: format!("{title}: errors of the model"),
         verdict: format!("{} rows: RMS error {}.", errors.samples.len(), parts.join(" and ")),

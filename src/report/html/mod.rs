@@ -24,6 +24,7 @@ pub use selection::selection;
 
 use pictures::{Displacements, by_row, drawing, histograms, maps};
 
+use crate::conditions::ConditionTable;
 use crate::measurement::{DataRow, Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
@@ -35,6 +36,8 @@ pub struct Subject<'a> {
     pub mechanism: &'a dyn Mechanism,
     /// How poses are written.
     pub convention: &'a PoseConvention,
+    /// What the covariates of the data mean.
+    pub condition_kinds: &'a ConditionTable,
     /// Stated noise of one component of a position and of one angle, m and rad.
     pub noise: Option<[f64; 2]>,
     /// Warnings of the command.

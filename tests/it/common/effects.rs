@@ -1,7 +1,7 @@
 //! Machines with everything that effects ask for, and every effect of the catalogue with values.
 
 use paracal::conditions::Conditions;
-use paracal::effect::{ActsOn, AvailableData, Effect, EffectContext, Scan, ScanPoint, catalogue};
+use paracal::effect::{ActsOn, AvailableData, Catalogue, Effect, EffectContext, Scan, ScanPoint};
 use paracal::files::{EffectEntry, Machine};
 use paracal::nalgebra::Vector3;
 use paracal::pose::Pose;
@@ -57,7 +57,7 @@ pub fn state(joints: &[f64]) -> Conditions {
 
 /// A place for an effect in its scan.
 fn place(effect: &dyn Effect, context: &EffectContext<'_>) -> ScanPoint {
-    let everything = AvailableData::everything(context, &ScanPoint::none());
+    let everything = AvailableData::everything(context, effect, &ScanPoint::none());
     match effect.scan(context, &everything) {
         Scan::None => ScanPoint::none(),
         Scan::Legs => ScanPoint::leg(3),
@@ -74,9 +74,9 @@ fn place(effect: &dyn Effect, context: &EffectContext<'_>) -> ScanPoint {
 pub fn entries(machine: &Machine) -> Vec<EffectEntry> {
     let context = EffectContext::new(machine.plain(), machine.environment());
     let mut all = Vec::new();
-    for effect in catalogue() {
+    for effect in &Catalogue::standard() {
         let at = place(effect.as_ref(), &context);
-        if !effect.missing(&context, &AvailableData::everything(&context, &at)).is_empty() {
+        if !effect.missing(&context, &AvailableData::everything(&context, effect.as_ref(), &at)).is_empty() {
             continue;
         }
         let size = |(k, p): (usize, paracal::effect::EffectParameter)| (p.name, p.scale * (1.0 - 0.3 * k as f64));
@@ -94,7 +94,7 @@ pub fn entries(machine: &Machine) -> Vec<EffectEntry> {
 
 /// True if an effect moves the platform.
 pub fn moves(entry: &EffectEntry) -> bool {
-    paracal::effect::effect(&entry.name).unwrap().acts_on() == ActsOn::Mechanism
+    Catalogue::standard().get(&entry.name).unwrap().acts_on() == ActsOn::Mechanism
 }
 
 /// The machine of a text with further effects.

@@ -1,5 +1,7 @@
-//! What each effect does to a mechanism and to readings, and effects from outside the crate.
+//! What each effect does to a mechanism and to readings; effects, conditions and wrappers from outside the crate.
 
+mod own_condition;
 #[cfg(feature = "conformance")]
 mod own_effect;
 mod truth;
+mod wrapped;

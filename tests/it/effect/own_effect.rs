@@ -12,16 +12,23 @@ use crate::common::hidden::cases::{Kind, draw_in_run};
 use crate::common::hidden::effects::CATALOGUE;
 use paracal::conditions::Conditions;
 use paracal::conformance;
-use paracal::diagnosis::{Question, Verdict, diagnose};
+use paracal::diagnosis::{Question, Verdict, diagnose, settle};
 use paracal::effect::{
-    ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site,
-    catalogue,
+    ActsOn, AvailableData, Catalogue, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint,
+    Site,
 };
-use paracal::files::Machine;
+use paracal::files::{Machine, ReadOptions};
 use paracal::units::Dimension;
 
+const TABLE5: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml");
+
 fn table5() -> Machine {
-    Machine::read(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/table5.toml")).unwrap()
+    Machine::read(TABLE5).unwrap()
+}
+
+/// With the effect of the example and the condition that it names.
+fn table5_with_motors() -> Machine {
+    Machine::read_with(TABLE5, &example::reading()).unwrap()
 }
 
 /// Twenty rows of a reference run, with all that its columns can tell.
@@ -32,7 +39,7 @@ fn reference() -> Files {
 
 #[test]
 fn an_effect_of_a_consumer_is_named_with_its_leg_and_its_value() {
-    let machine = table5();
+    let machine = table5_with_motors();
     let found = example::run(&machine).unwrap();
     assert_eq!(found.verdict, Verdict::Named, "{}", said(&found));
     let [cause] = &found.causes[..] else { panic!("{}", said(&found)) };
@@ -41,6 +48,62 @@ fn an_effect_of_a_consumer_is_named_with_its_leg_and_its_value() {
     let error = (growth.value - 1.5e-6).abs();
     assert!(error < 4.0 * growth.sigma.unwrap() && error < 0.15 * 1.5e-6, "{growth:?}");
     assert_eq!(found.effects[0].range.keys().collect::<Vec<_>>(), ["motor_current"]);
+
+    // Written, read back, and commanded.
+    let text = machine.extended_document(&found).unwrap().to_text();
+    let again = Machine::from_text_with(&text, "e.toml".as_ref(), &example::reading()).unwrap();
+    assert_eq!(again.effects()[0].range, found.effects[0].range, "{text}");
+    let (none, four) = (example::commanded(&again, 0.0).unwrap(), example::commanded(&again, 4.0).unwrap());
+    for (leg, (none, four)) in none.iter().zip(&four).enumerate() {
+        let expected = if leg == 2 { -4.0 * growth.value } else { 0.0 };
+        assert!((four - none - expected).abs() < 1e-12, "leg {}: {none} {four}", leg + 1);
+    }
+    let refused = Machine::from_text(&text, "e.toml".as_ref()).unwrap_err().to_string();
+    for part in ["e.toml: effect 1 'motor.heat'", "'motor.heat' is no effect", "thermal.legs.uniform", "step.leg"] {
+        assert!(refused.contains(part), "'{part}' is not in: {refused}");
+    }
+    // The machine without its effects knows them still.
+    assert!(again.without_effects().unwrap().catalogue().get("motor.heat").is_some());
+}
+
+#[test]
+fn measurements_that_settle_a_tie_with_it_vary_what_it_names() {
+    // The current rises through the run, as does whatever else drifts.
+    let rising = |row: usize, _: &mut _| 0.5 + 4.0 * row as f64 / (example::ROWS - 1) as f64;
+    let unlisted = ReadOptions::default().with_effect(example::MotorHeat);
+    let expected = [
+        (example::reading(), "12 poses alternating between motor current 0.5 and 4.5"),
+        // Of a column without an entry the ends of the run are known.
+        (unlisted, "12 poses alternating between motor_current 0.500 and 4.50"),
+    ];
+    for (reading, expected) in expected {
+        let machine = Machine::read_with(TABLE5, &reading).unwrap();
+        let data = example::measured_with(&machine, rising).unwrap();
+        let question = Question::of(&machine, &data);
+        let found = diagnose(&question).unwrap();
+        assert_eq!(found.verdict, Verdict::Tied, "{}", said(&found));
+        let plans = settle(&question, &found).unwrap();
+        let what: Vec<&str> = plans.iter().map(|plan| plan.what.as_str()).collect();
+        let plan = plans.iter().find(|plan| plan.what == expected).unwrap_or_else(|| panic!("{what:#?}"));
+        let present = plans.last().unwrap();
+        assert!(plan.settles() && !present.settles(), "{:#?}", plan.separations);
+        let currents: Vec<_> = plan.samples.iter().map(|s| s.conditions.get(example::CURRENT).unwrap()).collect();
+        assert_eq!((currents.len(), currents[0], currents[1]), (12, 0.5, 4.5));
+    }
+}
+
+#[test]
+fn a_catalogue_is_a_value() {
+    let standard = Catalogue::standard();
+    let with = standard.clone().with(example::MotorHeat);
+    assert_eq!((standard.len() + 1, standard.get("motor.heat").is_none()), (with.len(), true));
+    assert_eq!(with.clone().with(example::MotorHeat).len(), with.len(), "one effect of a name");
+    let alone: Catalogue = with.iter().filter(|e| e.name() == "motor.heat").cloned().collect();
+    let machine = table5();
+    let data = example::measured(&machine).unwrap();
+    let found = diagnose(&Question { catalogue: alone, ..Question::of(&machine, &data) }).unwrap();
+    assert_eq!((found.causes.len(), found.causes[0].effect.as_str()), (1, "motor.heat"), "{}", said(&found));
+    assert!(found.not_found.is_empty() && found.not_testable.is_empty(), "nothing else was looked for");
 }
 
 #[test]
@@ -67,8 +130,8 @@ fn the_catalogue_conforms() {
     let (mechanism, environment) = (files.machine.plain(), files.machine.environment());
     let data = &files.measurement.data;
     let mut tested: Vec<String> = Vec::new();
-    for effect in catalogue() {
-        match conformance::effect(&effect, mechanism, environment, data) {
+    for effect in &Catalogue::standard() {
+        match conformance::effect(effect, mechanism, environment, data) {
             Ok(()) => tested.push(effect.name().into()),
             Err(violation) if violation.law == "what an effect needs is there" => {
                 let context = EffectContext::new(mechanism, environment);
@@ -173,7 +236,7 @@ fn an_effect_of_the_catalogue_does_nothing_where_nothing_is_known() {
     let pose = mechanism.forward(mechanism.values(), joints, &nothing, &mechanism.home()).unwrap();
     let mut block = paracal::mechanism::MotionBlock::sized_for(mechanism);
     mechanism.motion_block(mechanism.values(), joints, &pose, &nothing, &mut block).unwrap();
-    for effect in catalogue() {
+    for effect in &Catalogue::standard() {
         let depends = !effect.covariates(&ScanPoint::leg(0)).is_empty();
         let lengths = effect.covariates(&ScanPoint::leg(0)).iter().all(|c| c.starts_with("length_leg"));
         if !depends || lengths {

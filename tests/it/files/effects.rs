@@ -200,8 +200,11 @@ fn effects_are_identified_and_the_written_file_is_the_same_machine() {
     let errors = evaluate(again.mechanism.as_ref(), &[], &data).unwrap().rms();
     assert!(errors.position.unwrap() < 1e-9 && errors.rotation.unwrap() < 1e-9, "{errors:?}");
     // From the parts, as a diagnosis writes it.
-    let ranged: Vec<ActiveEffect> =
-        found.iter().cloned().map(|e| ActiveEffect { range: e.range_over(&data), ..e }).collect();
+    let ranged: Vec<ActiveEffect> = found
+        .iter()
+        .cloned()
+        .map(|e| ActiveEffect { range: e.range_over(&data, machine.condition_kinds()), ..e })
+        .collect();
     let environment =
         Environment { references: [("temp_legs".into(), 18.0)].into(), ..(**machine.environment()).clone() };
     let plain = paracal::effect::without_effects(result.mechanism.as_ref());

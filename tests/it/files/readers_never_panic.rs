@@ -504,7 +504,8 @@ fn short(data: &str) -> String {
 fn subject<'a>(machine: &'a Machine, mechanism: &'a dyn Mechanism) -> html::Subject<'a> {
     let noise = machine.noise.map(|n| [n.position, n.rotation]);
     let settings = vec![("call".to_owned(), "paracal".to_owned())];
-    html::Subject { mechanism, convention: &machine.convention, noise, warnings: Vec::new(), settings }
+    let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
+    html::Subject { mechanism, convention, condition_kinds, noise, warnings: Vec::new(), settings }
 }
 
 /// What the commands do with what they have read: `which` of them. The result of each may be an error; its text, its JSON

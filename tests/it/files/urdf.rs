@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::urdf_robots::{Expected, Robot, STYLES, Style, cad_export, expected, pairs, robot};
 use nalgebra::Vector3;
 use paracal::files::{
-    FileError, FindingKind, HomeJoint, Machine, MechanismDocument, Outputs, UrdfOptions, read_measurement,
+    FileError, FindingKind, HomeJoint, Machine, MechanismDocument, Outputs, ReadOptions, UrdfOptions, read_measurement,
 };
 use paracal::mechanism::{Leg, Mechanism, SixHardpoint};
 use serde_json::Value;
@@ -51,10 +51,15 @@ fn agrees(machine: &Machine, e: &Expected, tolerance: f64, what: &str) {
     assert!(off <= tolerance, "{what}: home is off by {off:.1e}");
 }
 
+/// Reads a file with what it leaves open.
+fn read_with(path: &Path, options: &UrdfOptions) -> Result<Machine, FileError> {
+    Machine::read_with(path, &ReadOptions { urdf: options.clone(), ..ReadOptions::default() })
+}
+
 /// The kinds, elements and lines of the findings of a refused file.
 fn refusal(text: &str, options: &UrdfOptions) -> Vec<(FindingKind, String, Option<usize>)> {
     let folder = folder_with(&[("r.urdf", text)]);
-    match Machine::read_with(folder.path().join("r.urdf"), options) {
+    match read_with(&folder.path().join("r.urdf"), options) {
         Err(FileError::Urdf { findings, .. }) => findings.into_iter().map(|f| (f.kind, f.element, f.line)).collect(),
         other => panic!("not refused as a URDF: {:?}", other.map(|m| m.warnings)),
     }
@@ -68,7 +73,7 @@ fn read(style: Style) -> Machine {
         Style::Mixed => vec![pairs()[4].clone()],
         _ => Vec::new(),
     };
-    Machine::read_with(folder.path().join("r.urdf"), &options(close)).unwrap_or_else(|e| panic!("{style:?}: {e}"))
+    read_with(&folder.path().join("r.urdf"), &options(close)).unwrap_or_else(|e| panic!("{style:?}: {e}"))
 }
 
 #[test]
@@ -155,8 +160,7 @@ fn a_file_that_is_not_assembled_at_zero_keeps_its_anchors() {
     // Hung on the first leg, the platform goes where the joints of that leg are said to be.
     let folder = folder_with(&[("r.urdf", &robot(Style::Hung).text())]);
     let home = vec![HomeJoint { joint: "drive_a".into(), value: 0.03, dimension: None }];
-    let machine =
-        Machine::read_with(folder.path().join("r.urdf"), &UrdfOptions { home, ..UrdfOptions::default() }).unwrap();
+    let machine = read_with(&folder.path().join("r.urdf"), &UrdfOptions { home, ..UrdfOptions::default() }).unwrap();
     let lengths = machine.mechanism.inverse(machine.mechanism.values(), &machine.mechanism.home(), &Default::default());
     let lengths = lengths.unwrap();
     assert!((lengths[0] - e.length[0] - 0.03).abs() < 1e-9, "{lengths:?} {:?}", machine.warnings);
@@ -171,7 +175,7 @@ fn two_roots_need_a_named_platform() {
     assert_eq!(kinds[0].0, FindingKind::SeveralRoots);
     let folder = folder_with(&[("r.urdf", &two.text())]);
     let named = UrdfOptions { platform_link: Some("platform".into()), ..UrdfOptions::default() };
-    let machine = Machine::read_with(folder.path().join("r.urdf"), &named).unwrap();
+    let machine = read_with(&folder.path().join("r.urdf"), &named).unwrap();
     // Home is then sought from the lengths; the base frame is that of 'base' by its name.
     agrees(&machine, &expected(), 1e-9, "two roots");
 }
@@ -434,7 +438,7 @@ fn data_columns_may_be_named_after_the_joints() {
 
 fn read_text(text: &str, options: &UrdfOptions) -> Result<Machine, FileError> {
     let folder = folder_with(&[("r.urdf", text)]);
-    Machine::read_with(folder.path().join("r.urdf"), options)
+    read_with(&folder.path().join("r.urdf"), options)
 }
 
 /// The machine of a changed robot.

@@ -3,6 +3,7 @@
 use crate::common::campaign::campaign;
 use crate::common::paper_noise;
 
+use paracal::conditions::ConditionTable;
 use paracal::identification::{CalibrationOptions, Robust, calibrate};
 use paracal::measurement::{DataRow, Dataset, PoseMeasurement, PoseReading};
 use paracal::report::html::{self, Measured, ModelResiduals};
@@ -37,6 +38,7 @@ fn a_robust_calibration_of_a_subset_names_the_rows_of_the_file_everywhere() {
     let subject = html::Subject {
         mechanism: calibrated,
         convention: &c.space.convention,
+        condition_kinds: &ConditionTable::standard(),
         noise: None,
         warnings: Vec::new(),
         settings: Vec::new(),

@@ -46,6 +46,12 @@ fn simulated(bench: &Bench, effects: &[&str]) -> (Value, String) {
     bench.json_and_warnings(&words[..])
 }
 
+/// Without the warning of the remarks in the list, which would stand before the error.
+#[track_caller]
+fn refuses(bench: &Bench, words: &[&str], parts: &[&str]) {
+    bench.refuses(&[words, &["--quiet"]].concat()[..], parts);
+}
+
 /// Largest errors of a model on data, m and rad.
 fn errors(bench: &Bench, mechanism: &str, data: &str) -> (f64, f64) {
     let machine = Machine::read(bench.at(mechanism)).unwrap();
@@ -209,7 +215,7 @@ fn wrong_effects_of_a_call_are_named() {
     let bench = with_poses("\n[[effect]]\nname = \"scale.common\"\nparameters = { scale = 1e-3 }\n");
     let simulate = |effect: &str, parts: &[&str]| {
         let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", effect];
-        bench.refuses(&words, &[&["--effect", effect][..], parts].concat());
+        refuses(&bench, &words, &[&["--effect", effect][..], parts].concat());
     };
     simulate("sag=1", &["'sag' is not an effect", "sag.frame"]);
     simulate("sag.frame=1e-5", &["has 1 of the 2 values", "shift (m), tilt (rad)"]);
@@ -227,8 +233,8 @@ fn wrong_effects_of_a_call_are_named() {
     simulate("sag.linear=1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18", &["needs a mechanism of type \"pose\""]);
     simulate("scale.common=1e-3", &["scale.common is stated twice"]);
     let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", "thermal.platform=1e-5"];
-    bench.refuses(&words, &["p.csv: data row 0", "thermal.platform needs temp_platform", "add the column"]);
+    refuses(&bench, &words, &["p.csv: data row 0", "thermal.platform needs temp_platform", "add the column"]);
     let bare = with_poses("").with("m.toml", TABLE_5);
     let words = ["simulate", "m.toml", "--poses", "p.csv", "-o", "d.csv", "--effect", "compliance.payload=1e-8"];
-    bare.refuses(&words, &["needs [platform] payload_centre", "state it"]);
+    refuses(&bare, &words, &["needs [platform] payload_centre", "state it"]);
 }

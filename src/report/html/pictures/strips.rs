@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{ARCSECONDS, GROSS, MICROMETRES};
+use crate::conditions::{ConditionKind, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::measurement::{DataRow, Dataset, Sample};
 use crate::mechanism::JointSpec;
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
+use crate::report::html::Subject;
 use crate::units::Dimension;
 
 /// Residuals in the joints under one model.
@@ -33,11 +35,12 @@ type Get = Box<dyn Fn(&Sample, usize) -> Option<f64>>;
 /// change, and for `further` covariates. `marked` are data rows that look like gross errors.
 pub(in crate::report::html) fn strips(
     data: &Dataset,
-    joints: &[JointSpec],
+    subject: &Subject<'_>,
     layers: &[Layer<'_>],
     marked: &[DataRow],
     further: &[&str],
 ) -> Vec<Figure> {
+    let (joints, kinds) = (subject.mechanism.joints(), subject.condition_kinds);
     let samples: BTreeMap<DataRow, &Sample> = data.iter().map(|s| (s.row, s)).collect();
     let changes = |against: &Against| {
         let values = (0..joints.len()).flat_map(|leg| data.iter().filter_map(move |s| (against.of)(s, leg)));
@@ -49,10 +52,12 @@ pub(in crate::report::html) fn strips(
         let of: Get = Box::new(move |s, _| s.conditions.get(&wanted));
         Against { title: (*name).to_owned(), label: format!("{name} (SI)"), of }
     };
-    let known = |name: &&&str| !matches!(**name, "time" | "elevation" | "payload");
-    all(data, joints)
+    // Those of a single leg are drawn at their own leg only, and so once more if a finding names one.
+    let drawn = |kind: &ConditionKind| kind.role == Role::Clock || kind.pictured && kind.extent == Extent::Machine;
+    let further = further.iter().filter(|name| !kinds.of(name).is_some_and(drawn));
+    all(data, joints, kinds)
         .into_iter()
-        .chain(further.iter().filter(known).map(named))
+        .chain(further.map(named))
         .filter(changes)
         .map(|against| {
             let panel = |(leg, joint): (usize, &JointSpec)| {
@@ -103,14 +108,14 @@ fn unit(dimension: Dimension) -> (&'static str, f64) {
     }
 }
 
-fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
-    let recorded =
-        |name: &'static str, per_si: f64| move |s: &Sample, _: usize| s.conditions.get(name).map(|v| per_si * v);
-    let timed = data.iter().all(|s| s.conditions.get("time").is_some());
+fn all(data: &Dataset, joints: &[JointSpec], kinds: &ConditionTable) -> Vec<Against> {
+    let timed = data.iter().all(|s| s.conditions.get(TIME).is_some());
     let first = match timed {
-        true => {
-            Against { title: "time".into(), label: "time (h)".into(), of: Box::new(recorded("time", 1.0 / 3600.0)) }
-        }
+        true => Against {
+            title: "time".into(),
+            label: "time (h)".into(),
+            of: Box::new(|s, _| s.conditions.get(TIME).map(|t| t * (1.0 / 3600.0))),
+        },
         false => Against {
             title: "the data row".into(),
             label: "data row".into(),
@@ -125,21 +130,23 @@ fn all(data: &Dataset, joints: &[JointSpec]) -> Vec<Against> {
         label: if alike { format!("{} ({joint_unit})", of_joint.noun()) } else { "joint (SI)".into() },
         of: Box::new(move |s, leg| Some(if alike { per_si } else { 1.0 } * s.joints.get(leg)?)),
     };
-    let temperature = Against {
-        title: "the temperature of the leg".into(),
-        label: "temperature (°C)".into(),
-        of: Box::new(|s, leg| {
-            s.conditions.get(&format!("temp_leg{}", leg + 1)).or_else(|| s.conditions.get("temp_legs"))
-        }),
+    [first, joint].into_iter().chain(kinds.iter().filter(|kind| kind.pictured).map(condition)).collect()
+}
+
+/// A condition, at each leg where it has one of its own.
+fn condition(kind: &ConditionKind) -> Against {
+    let (name, all_legs, each_leg) = (kind.name.to_string(), kind.of_all_legs(), kind.extent == Extent::EachLeg);
+    let unit = kind.unit();
+    let value = move |s: &Sample, leg: usize| match each_leg {
+        true => s.conditions.get(&of_leg(&name, leg)).or_else(|| s.conditions.get(&all_legs)),
+        false => s.conditions.get(&name),
     };
-    let elevation = Against {
-        title: "the elevation".into(),
-        label: "elevation (deg)".into(),
-        of: Box::new(recorded("elevation", 180.0 / std::f64::consts::PI)),
+    let label = match kind.dimension {
+        Dimension::None => kind.label.to_string(),
+        Dimension::Temperature => format!("{} (°C)", kind.label),
+        _ => format!("{} ({})", kind.label, unit.name),
     };
-    let payload =
-        Against { title: "the payload".into(), label: "payload (kg)".into(), of: Box::new(recorded("payload", 1.0)) };
-    vec![first, joint, temperature, elevation, payload]
+    Against { title: kind.title.to_string(), label, of: Box::new(move |s, leg| value(s, leg).map(|v| unit.from_si(v))) }
 }
 
 /// Rows beyond this many robust σ of a leg look like gross errors.

@@ -1,12 +1,12 @@
-//! The operating state of one sample: what was true while it was measured.
-//!
-//! A plain mechanism ignores it. Effects such as thermal growth, gravity or backlash act on it, and the
-//! diagnosis looks through it for what the residuals depend on.
+//! The operating state of one sample, and its place in the run.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+
+use super::standard::TIME;
+use super::table::mean_of_legs;
 
 /// Covariates of one sample by name, and the joints of the samples before.
 ///
@@ -61,22 +61,23 @@ impl Conditions {
         self.covariates.get(name).copied()
     }
 
-    /// Mean temperature of the legs, °C: `temp_legs`, or the mean of `temp_leg1` ….
-    pub fn leg_temperature(&self) -> Option<f64> {
-        if let Some(t) = self.get("temp_legs") {
-            return Some(t);
+    /// One number for a condition that is recorded leg by leg: the covariate `{stem}s` if there is one, else the mean of
+    /// `{stem}1`, `{stem}2`, …; `None` without any of them. `temp_leg` gives the mean temperature of the legs, °C.
+    pub fn mean_of_legs(&self, stem: &str) -> Option<f64> {
+        if let Some(common) = self.get(&mean_of_legs(stem)) {
+            return Some(common);
         }
-        let own = self.covariates.range("temp_leg".to_owned()..).take_while(|(k, _)| k.starts_with("temp_leg"));
+        let own = self.covariates.range(stem.to_owned()..).take_while(|(name, _)| name.starts_with(stem));
         let (sum, count) = own
-            .filter(|(k, _)| k["temp_leg".len()..].parse::<usize>().is_ok())
-            .fold((0.0, 0), |(sum, count), (_, t)| (sum + t, count + 1));
+            .filter(|(name, _)| name[stem.len()..].parse::<usize>().is_ok())
+            .fold((0.0, 0), |(sum, count), (_, value)| (sum + value, count + 1));
         (count > 0).then(|| sum / f64::from(count))
     }
 }
 
 /// How much of a run has passed at each of its states.
 fn parts(states: &[Conditions]) -> Vec<f64> {
-    let times: Option<Vec<f64>> = states.iter().map(|s| s.get("time")).collect();
+    let times: Option<Vec<f64>> = states.iter().map(|s| s.get(TIME)).collect();
     if let Some(times) = times
         && let [first, .., last] = times[..]
         && first < last
@@ -95,7 +96,7 @@ mod tests {
     fn run_at(times: &[Option<f64>]) -> Vec<f64> {
         let state = |time: &Option<f64>| {
             let mut state = Conditions::unknown();
-            state.covariates.extend(time.map(|t| ("time".to_owned(), t)));
+            state.covariates.extend(time.map(|t| (TIME.to_owned(), t)));
             state
         };
         let mut states: Vec<Conditions> = times.iter().map(state).collect();
