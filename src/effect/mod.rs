@@ -37,6 +37,7 @@ use std::fmt::Debug;
 pub use catalogue::Catalogue;
 pub use compensator::{Compensated, Compensator, Extrapolated};
 pub use context::{AvailableData, EffectContext, Environment, Sensor, Site};
+#[cfg(feature = "files")]
 pub(crate) use extended::label;
 pub use extended::{ActiveEffect, Extended, effects_of, without_effects};
 pub use instrument::{WithInstrumentEffects, seen, to_be_seen_at};

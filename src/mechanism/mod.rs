@@ -46,6 +46,7 @@ pub use kinematics::{
 };
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub use pose_positioner::PosePositioner;
+#[cfg(feature = "files")]
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};
 pub use survey::Survey;

@@ -178,6 +178,7 @@ fn check_legs(legs: &[Leg]) -> Result<(), GeometryError> {
 
 /// Refuses two legs that meet in a point of the platform or of the base, which in a file is nearly always a line
 /// copied twice. Where all legs meet in pairs, as in the 6-3 and 3-3 platforms, they are meant to.
+#[cfg(feature = "files")]
 pub(crate) fn check_distinct_anchors(legs: &[Leg]) -> Result<(), GeometryError> {
     type Point = fn(&Leg) -> Vector3<f64>;
     let bodies: [(&'static str, Point); 2] = [("platform", |l| l.platform), ("base", |l| l.base)];
