@@ -1,5 +1,6 @@
 //! Test suites for implementations of `Mechanism`, `MeasurementModel`, `Identifier`, `ObservabilityIndex`,
 //! `PoseSelector` and `Effect` (feature `conformance`).
+//!
 //! Checks your own implementation with one call in one test:
 //!
 //! ```no_run

@@ -1,4 +1,5 @@
 //! From residuals to causes: what the model gets wrong, and why.
+//!
 //! Even the best-fit kinematic parameters leave a residual. [`diagnose`] always gives one of five answers:
 //!
 //! | verdict | meaning |
@@ -8,12 +9,12 @@
 //! | tied | they do, but the data do not exclude other names |
 //! | unknown | an error depends on a covariate, or is at a leg, and no name explains it |
 //! | misread | the file was read wrongly: a sign, a unit, an order |
+//!
 //! The steps, with their files:
 //!
 //! 1. **Preflight** (`preflight`, `misreadings`): would the file fit much better if it were read otherwise?
 //! 2. **Baseline** (`hypotheses`, `design_matrix`): the parameters are identified with a prior of two tolerances, which
-//! keeps the two weak
-//!    directions of each leg finite, and the columns of everything are computed once.
+//!    keeps the two weak directions of each leg finite, and the columns of everything are computed once.
 //! 3. **Outliers** (`outliers`): samples that fit nothing, judged again after every step.
 //! 4. **Search** (`search`): all columns are projected off those of the parameters (`model`). Names are *detected*
 //!    by a test at a family-wise level with all places of a scan counted, and *chosen* by their marginal likelihood

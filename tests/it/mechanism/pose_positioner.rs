@@ -129,7 +129,7 @@ fn far_offsets_are_offsets_and_no_frames() {
 #[test]
 fn what_means_nothing_is_refused() {
     let leg = "[[leg]]\nplatform = [0, 0, 0]\nbase = [0, 0, 0]\n";
-    refused(&format!("{FILE}{leg}"), &["stage.toml: [[leg]]", "does not apply for type \"pose\"", "delete it"]);
+    refused(&format!("{FILE}{leg}"), &["stage.toml: [[leg]]", "does not apply to type \"pose\"", "delete it"]);
     refused(&format!("{FILE}[noise]\nposition = 1\nrotation = 1\njoint = 1\n"), &["[noise] joint", "does not apply"]);
     refused(&format!("{FILE}[tolerance]\nanchor = 1\n"), &["[tolerance] angle", "is missing"]);
     refused(&format!("{FILE}[offset]\nposition = [nan, 0, 0]\n"), &["[offset]", "not a finite number"]);
