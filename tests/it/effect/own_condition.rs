@@ -75,7 +75,7 @@ fn its_column_is_read_with_its_unit() {
     for (column, parts) in [
         ("force_leg3", ["the name must end in a unit (N)", "'force_leg3_N'"]),
         ("force_leg3_lbf", ["the name must end in a unit (N)", "'force_leg3_N'"]),
-        ("force_leg3_mm", ["'mm' is no unit of it", "N"]),
+        ("force_leg3_mm", ["'mm' is not a unit for it", "N"]),
     ] {
         let said = measured(&machine, column).unwrap_err().to_string();
         for part in parts {

@@ -59,7 +59,7 @@ fn an_effect_of_a_consumer_is_named_with_its_leg_and_its_value() {
         assert!((four - none - expected).abs() < 1e-12, "leg {}: {none} {four}", leg + 1);
     }
     let refused = Machine::from_text(&text, "e.toml".as_ref()).unwrap_err().to_string();
-    for part in ["e.toml: effect 1 'motor.heat'", "'motor.heat' is no effect", "thermal.legs.uniform", "step.leg"] {
+    for part in ["e.toml: effect 1 'motor.heat'", "'motor.heat' is not an effect", "thermal.legs.uniform", "step.leg"] {
         assert!(refused.contains(part), "'{part}' is not in: {refused}");
     }
     // The machine without its effects knows them still.
