@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::table::mean_of_legs;
+use super::covariate::mean_of_legs;
 use crate::units::{Dimension, Unit, fixed};
 
 /// What the covariates of one kind are called, measure and mean.

@@ -29,15 +29,17 @@
 //! assert_eq!(table.of("force_leg3").map(|kind| kind.unit().name), Some("N"));
 //! ```
 
+mod covariate;
 mod kind;
 mod standard;
 mod state;
 mod table;
 
+pub use covariate::of_leg;
 pub use kind::{Commanded, ConditionKind, Extent, Part, Role, Variation};
 pub use standard::{
     APPROACH_LEG, AZIMUTH, ELEVATION, LENGTH_LEG, PAYLOAD, TEMP_BASE, TEMP_LEG, TEMP_LEGS, TEMP_PLATFORM, TIME,
     TRAVEL_LEG,
 };
 pub use state::{Conditions, Run};
-pub use table::{ConditionTable, of_leg};
+pub use table::ConditionTable;

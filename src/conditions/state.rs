@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::covariate::mean_of_legs;
 use super::standard::TIME;
-use super::table::mean_of_legs;
 
 /// Covariates of one sample by name, and the joints of the samples before.
 ///

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
+use super::covariate::{leg_number, of_leg};
 use super::kind::{Commanded, ConditionKind, Extent, Role};
 use super::standard::kinds;
 use super::state::Conditions;
@@ -93,21 +94,6 @@ impl Commanded {
             Self::Approach => travel().map(f64::signum),
         }
     }
-}
-
-/// The covariate of a leg, from 0: `temp_leg3` for `temp_leg` and 2.
-pub fn of_leg(stem: &str, leg: usize) -> String {
-    format!("{stem}{}", leg + 1)
-}
-
-/// The covariate of all legs together.
-pub(super) fn mean_of_legs(stem: &str) -> String {
-    format!("{stem}s")
-}
-
-/// A leg from 0 for its number from 1.
-fn leg_number(text: &str) -> Option<usize> {
-    text.parse::<usize>().ok()?.checked_sub(1)
 }
 
 #[cfg(test)]

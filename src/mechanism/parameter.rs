@@ -61,6 +61,11 @@ pub enum ParameterRole {
         /// Coordinate: x, y, z, α, β, γ.
         coordinate: usize,
     },
+    /// A small turn of a direction of a leg, rad: the axis of a crank or of a hinge, a rail.
+    Direction {
+        /// Leg, from 0.
+        leg: usize,
+    },
     /// Anything else.
     Other,
 }
@@ -73,7 +78,8 @@ impl ParameterRole {
             | Self::BasePoint { leg, .. }
             | Self::JointOffset { leg }
             | Self::JointScale { leg }
-            | Self::LegDimension { leg } => Some(leg),
+            | Self::LegDimension { leg }
+            | Self::Direction { leg } => Some(leg),
             Self::PoseOffset { .. } | Self::Other => None,
         }
     }

@@ -67,7 +67,10 @@ pub fn plausibility(mechanism: &dyn Mechanism, values: &[f64]) -> Plausibility {
         }
     }
     for (k, spec) in specs.iter().enumerate() {
-        let judged = matches!(spec.role, ParameterRole::JointScale { .. } | ParameterRole::LegDimension { .. });
+        let judged = matches!(
+            spec.role,
+            ParameterRole::JointScale { .. } | ParameterRole::LegDimension { .. } | ParameterRole::Direction { .. }
+        );
         if judged {
             note(&mut implausible, spec, values[k] - start[k]);
         }

@@ -101,10 +101,39 @@ impl<T: Real> State<'_, T> {
         )
     }
 
+    /// A direction turned by the two parameters from `first` on, rad. Small turns leave its length one in first order;
+    /// divide by [`length`] where more is needed.
+    #[inline(always)]
+    pub fn turned(&self, direction: &Direction, first: usize) -> Vector3<T> {
+        let (m, n) = (self.parameters[first], self.parameters[first + 1]);
+        let [across, other] = &direction.across;
+        Vector3::from_fn(|k, _| m * across[k] + n * other[k] + direction.along[k])
+    }
+
     /// The three parameters from `first` on as a point.
     #[inline(always)]
     pub fn point(&self, first: usize) -> Vector3<T> {
         Vector3::new(self.parameters[first], self.parameters[first + 1], self.parameters[first + 2])
+    }
+}
+
+/// A direction that parameters may turn: the axis of a crank or of a hinge, a rail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// The direction as it was drawn, of length one.
+    pub along: Vector3<f64>,
+    /// Two directions across it, towards which the parameters turn it. They depend on nothing but `along`, so that the
+    /// values of a file mean the same turn wherever they are read.
+    pub across: [Vector3<f64>; 2],
+}
+
+impl Direction {
+    /// The direction of a vector of any length; `None` if it has none.
+    pub fn of(vector: &Vector3<f64>) -> Option<Self> {
+        let along = vector.try_normalize(0.0).filter(|v| v.iter().all(|x| x.is_finite()))?;
+        let least = along.iamin();
+        let across = along.cross(&Vector3::ith(least, 1.0)).normalize();
+        Some(Self { along, across: [across.cross(&along), across] })
     }
 }
 

@@ -29,6 +29,7 @@ use super::GeometryError;
 
 #[allow(unused_imports)] // named in the page above
 use super::closure::ClosureMechanism;
+use super::closure::Direction;
 
 /// 1σ of manufacture of the parameters of a kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,18 +42,16 @@ pub struct Tolerances {
     pub angle: f64,
 }
 
+/// The direction of a vector of any length.
+fn direction(leg: usize, what: &str, v: &Vector3<f64>) -> Result<Direction, GeometryError> {
+    let none =
+        || GeometryError::Outline(format!("leg {}: `{what}` [{}, {}, {}] is not a direction", leg + 1, v.x, v.y, v.z));
+    Some(v).filter(|v| v.norm() > 1e-12).and_then(Direction::of).ok_or_else(none)
+}
+
 /// A direction of length one.
 fn unit(leg: usize, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>, GeometryError> {
-    match v.try_normalize(1e-12) {
-        Some(unit) if unit.iter().all(|x| x.is_finite()) => Ok(unit),
-        _ => Err(GeometryError::Outline(format!(
-            "leg {}: `{what}` [{}, {}, {}] is not a direction",
-            leg + 1,
-            v.x,
-            v.y,
-            v.z
-        ))),
-    }
+    Ok(direction(leg, what, v)?.along)
 }
 
 /// Refuses anything but a positive length.

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Tolerances, count, positive, unit};
-use crate::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
+use super::{Tolerances, count, direction, positive};
+use crate::mechanism::closure::{Closure, ClosureMechanism, Column, Direction, Outline, Real, State, length};
 use crate::mechanism::{GeometryError, ParameterRole};
 use crate::pose::Pose;
 use crate::units::Dimension;
@@ -28,8 +28,8 @@ pub struct HingedLeg {
 /// Closure of three hinged legs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tripod {
-    /// Nominal axis of each hinge, and the two directions in which it may tilt.
-    hinges: Vec<[Vector3<f64>; 3]>,
+    /// Nominal axis of each hinge.
+    hinges: Vec<Direction>,
 }
 
 const LEGS: usize = 3;
@@ -51,15 +51,11 @@ impl Tripod {
         let mut outline = Outline::new(name, 2 * LEGS, home).controls([false, false, true, true, true, false]);
         let mut hinges = Vec::with_capacity(LEGS);
         for (leg, l) in legs.iter().enumerate() {
-            let axis = unit(leg, "axis", &l.axis)?;
+            hinges.push(direction(leg, "axis", &l.axis)?);
             let at_home = (home.place(&l.platform) - l.base).norm();
             positive(leg, "length at home", at_home)?;
-            // Two directions across the axis that depend on nothing else, so that a calibrated file means the same tilt.
-            let least = axis.iamin();
-            let across = unit(leg, "axis", &axis.cross(&Vector3::ith(least, 1.0)))?;
-            hinges.push([axis, across.cross(&axis), across]);
             let sigma = |f: fn(&Tolerances) -> f64| tolerances.as_ref().map(f);
-            let role = ParameterRole::LegDimension { leg };
+            let role = ParameterRole::Direction { leg };
             let n = leg + 1;
             outline = outline
                 .platform_point(leg, l.platform.into(), sigma(|t| t.anchor))
@@ -81,12 +77,11 @@ impl Tripod {
 
 impl Closure for Tripod {
     fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
-        for (leg, [axis, first_tilt, second_tilt]) in self.hinges.iter().enumerate() {
+        for (leg, axis) in self.hinges.iter().enumerate() {
             let first = PER_LEG * leg;
             let l = s.place(&s.point(first)) - s.point(first + 3);
-            let (m, n) = (s.parameters[first + 7], s.parameters[first + 8]);
             out[2 * leg] = length(&l) - s.joints[leg] - s.parameters[first + 6];
-            let normal = Vector3::from_fn(|k, _| m * first_tilt[k] + n * second_tilt[k] + axis[k]);
+            let normal = s.turned(axis, first + 7);
             out[2 * leg + 1] = l.dot(&normal) / length(&normal);
         }
     }

@@ -42,8 +42,8 @@ fn put(document: &mut MechanismDocument, spec: &ParameterSpec, v: f64) {
     let Some(leg) = spec.role.leg().and_then(|leg| document.legs.get_mut(leg)) else { return };
     match (spec.role, stem(&spec.name)) {
         (ParameterRole::JointOffset { .. }, _) => leg.length_offset = v,
-        (ParameterRole::LegDimension { .. }, "m") => leg.hinge_tilt[0] = v,
-        (ParameterRole::LegDimension { .. }, "n") => leg.hinge_tilt[1] = v,
+        (ParameterRole::Direction { .. }, "m") => leg.hinge_tilt[0] = v,
+        (ParameterRole::Direction { .. }, "n") => leg.hinge_tilt[1] = v,
         _ => {}
     }
 }
