@@ -29,8 +29,10 @@ impl ConditionTable {
     /// One kind more; it replaces the one of its name.
     #[must_use]
     pub fn with(self, kind: ConditionKind) -> Self {
-        let others = self.kinds.iter().filter(|other| other.name != kind.name).cloned();
-        Self { kinds: others.chain([kind.clone()]).collect() }
+        let mut kinds: Vec<ConditionKind> =
+            self.kinds.iter().filter(|other| other.name != kind.name).cloned().collect();
+        kinds.push(kind);
+        Self { kinds: kinds.into() }
     }
 
     /// The kinds, in the order in which they were added.

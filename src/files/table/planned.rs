@@ -175,7 +175,7 @@ impl Machine {
 /// The step of the `k`-th sequence: the first three fill a cube evenly, further ones step by a root of a prime each, so that
 /// no two keep in step.
 fn step(k: usize) -> f64 {
-    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0);
+    let is_prime = |n: &u32| (2..*n).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
     let root = |k: usize| (2..).filter(is_prime).nth(k).map_or(GOLDEN, |prime: u32| f64::from(prime).sqrt().fract());
     STEPS.get(k).copied().unwrap_or_else(|| root(k - STEPS.len()))
 }

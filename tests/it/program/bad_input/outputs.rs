@@ -4,7 +4,7 @@ use super::{CALIBRATE, Content, Entry, all_are_refused, few, file, poses, row};
 
 const OVER: [&str; 3] = ["is also an input", "never overwritten", "choose another name"];
 
-fn with_over<'a>(output: &'a str) -> Vec<&'a str> {
+fn with_over(output: &str) -> Vec<&str> {
     [&[output][..], &OVER].concat()
 }
 
