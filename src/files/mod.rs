@@ -9,6 +9,7 @@
 
 mod error;
 mod finding;
+mod format;
 mod machine;
 mod mechanism;
 mod open;
@@ -18,7 +19,9 @@ mod questions;
 mod read_options;
 mod readings;
 mod table;
+#[cfg(feature = "urdf")]
 mod urdf;
+mod urdf_options;
 
 pub use error::FileError;
 pub use finding::{Finding, FindingKind};
@@ -38,6 +41,6 @@ pub use table::measurement_file::{Measurement, read_measurement};
 pub use table::planned::{PlannedConditions, read_conditions};
 pub use table::pose_file::{ListedPose, PoseList, read_parameter_errors, read_pose_list, read_poses};
 pub use table::writer::{CsvTable, number};
-pub use urdf::options::{HomeJoint, UrdfOptions};
-pub use urdf::output::WrittenMechanism;
-pub use urdf::writer::UrdfFiles;
+#[cfg(feature = "urdf")]
+pub use urdf::{output::WrittenMechanism, writer::UrdfFiles};
+pub use urdf_options::{HomeJoint, UrdfOptions};

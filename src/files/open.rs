@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use crate::files::error::{FileError, read_text};
+use crate::files::format::{is_urdf, is_xml, names_a_urdf};
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::read::build;
 use crate::files::mechanism::reader::Reader;
 use crate::files::read_options::ReadOptions;
-use crate::files::urdf::output::is_urdf;
+#[cfg(feature = "urdf")]
 use crate::files::urdf::read as urdf;
-use crate::files::urdf::side::names_a_urdf;
 use crate::mechanism::GeometryError;
 
 impl Machine {
@@ -30,7 +30,7 @@ impl Machine {
         let path = path.as_ref();
         let text = read_text(path)?;
         let value = |place: &str, problem: String| FileError::Value { path: path.into(), place: place.into(), problem };
-        if urdf::is_xml(&text) || is_urdf(path) {
+        if is_xml(&text) || is_urdf(path) {
             return urdf::read(path, &text, options);
         }
         if let Some(robot) = names_a_urdf(&text) {
@@ -67,7 +67,7 @@ impl Machine {
     /// # Errors
     /// [`FileError`] naming the place and what to do.
     pub fn from_text_with(text: &str, path: &Path, options: &ReadOptions) -> Result<Self, FileError> {
-        if urdf::is_xml(text) {
+        if is_xml(text) {
             return urdf::from_text(path, text, options);
         }
         let document: MechanismDocument = toml::from_str(text)
@@ -109,5 +109,33 @@ impl Machine {
         let mut other = Self::from_document_with(document, &self.path, &options)?;
         other.inputs.clone_from(&self.inputs);
         Ok(other)
+    }
+}
+
+/// A library without the feature `urdf` knows a URDF when it sees one.
+#[cfg(not(feature = "urdf"))]
+mod urdf {
+    use super::{FileError, Machine, Path, ReadOptions};
+
+    fn refused(path: &Path) -> FileError {
+        let problem = "is a URDF; it is read with the feature `urdf` of the library".into();
+        FileError::Value { path: path.into(), place: "the file".into(), problem }
+    }
+
+    pub(super) fn read(path: &Path, _text: &str, _options: &ReadOptions) -> Result<Machine, FileError> {
+        Err(refused(path))
+    }
+
+    pub(super) fn from_text(path: &Path, _text: &str, _options: &ReadOptions) -> Result<Machine, FileError> {
+        Err(refused(path))
+    }
+
+    pub(super) fn read_named(
+        _toml: &Path,
+        _text: &str,
+        robot: &str,
+        _options: &ReadOptions,
+    ) -> Result<Machine, FileError> {
+        Err(refused(Path::new(robot)))
     }
 }

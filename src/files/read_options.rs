@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::conditions::{ConditionKind, ConditionTable};
 use crate::effect::{Catalogue, Effect};
-use crate::files::urdf::options::UrdfOptions;
+use crate::files::urdf_options::UrdfOptions;
 use crate::mechanism::Mechanism;
 
 /// The effects that a mechanism file may state, the conditions that its data may hold, and what a URDF file leaves open.

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::closures::{Motion, Source};
-use super::options::{HomeJoint, UrdfOptions};
 use super::pairs::Pair;
 use super::settings::Settings;
 use super::side::{SideDocument, is_closure_yaml, names, parse, toml_error};
 use crate::files::error::{FileError, read_text};
+use crate::files::urdf_options::{HomeJoint, UrdfOptions};
 
 /// A YAML file with the keys of gepetto's "extended URDF"; other keys are passed over.
 #[derive(Debug, Default, Deserialize)]

@@ -34,7 +34,6 @@ mod home;
 mod lacks;
 mod leg;
 mod model;
-pub(super) mod options;
 pub(super) mod output;
 mod pairs;
 pub(super) mod read;

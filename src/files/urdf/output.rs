@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::side::{SideDocument, is_closure_yaml, names};
 use crate::files::error::FileError;
+use crate::files::format::is_urdf;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds::six_hardpoint::KIND;
@@ -76,11 +77,6 @@ impl Outputs {
         written.side = Some(side);
         Ok(written)
     }
-}
-
-/// True if a name is that of a URDF file.
-pub(in crate::files) fn is_urdf(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("urdf"))
 }
 
 /// Fails with the reason, unless a file is the side file of a URDF that is there.

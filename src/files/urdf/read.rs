@@ -23,11 +23,6 @@ use crate::files::read_options::ReadOptions;
 use crate::mechanism::condition;
 use crate::pose::{Pose, PoseConvention};
 
-/// True if a text is XML.
-pub(in crate::files) fn is_xml(text: &str) -> bool {
-    text.trim_start().starts_with('<')
-}
-
 /// Reads a URDF file and what stands beside it.
 pub(in crate::files) fn read(path: &Path, text: &str, options: &ReadOptions) -> Result<Machine, FileError> {
     machine(path, text, options, Beside::find(path, None)?)

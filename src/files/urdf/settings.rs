@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::closures::Motion;
-use super::options::HomeJoint;
 use super::pairs::Pair;
+use crate::files::urdf_options::HomeJoint;
 
 /// All that is stated beside the file, by the call and by side files.
 #[derive(Clone, Debug, Default)]

@@ -82,15 +82,6 @@ pub(super) fn is_closure_yaml(text: &str) -> bool {
     text.lines().any(|line| keys.iter().any(|k| line.strip_prefix(k).is_some_and(|r| r.trim_start().starts_with(':'))))
 }
 
-/// A TOML file with the key `urdf`, or `None` if it has no such key.
-pub(in crate::files) fn names_a_urdf(text: &str) -> Option<String> {
-    #[derive(Deserialize)]
-    struct Key {
-        urdf: Option<String>,
-    }
-    toml::from_str::<Key>(text).ok().and_then(|k| k.urdf)
-}
-
 /// True if a name that stands in a file means this URDF.
 pub(super) fn names(file: &Path, name: &str, urdf: &Path) -> bool {
     let named = file.parent().unwrap_or(Path::new("")).join(name);

@@ -16,6 +16,7 @@ pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
 pub use page::Page;
+#[cfg(feature = "cli")]
 pub(crate) use page::shell;
 #[doc(hidden)]
 pub use page::{Part, Section, Tone};

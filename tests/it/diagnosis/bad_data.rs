@@ -112,7 +112,7 @@ fn few_rows() {
     };
     few(0).refused(&["d.csv"]);
     for rows in [1, 3] {
-        few(rows).refused(&["d.csv", "measure more poses"]);
+        few(rows).refused(&["d.csv", "measure more, and more varied, poses"]);
     }
     // From twelve degrees of freedom on there is an answer, and a modest one.
     for rows in [5, 7, 8, 9, 10, 12, 20] {
