@@ -17,7 +17,7 @@
 //! | [`TargetMeasurement`] | positions of points on the platform | the points that are not known |
 //! | [`PlaneContact`] | heights of a point of the platform over a plane, 0 at a touch | the plane, if it is not known |
 //!
-//! Another kind of reading is another implementation; [`crate::conformance::measurement()`] checks it (feature
+//! Another kind of reading is another implementation; `conformance::measurement` checks it (feature
 //! `conformance`).
 //!
 //! **Frames.** A tracker reports in its own frame, and a target has a frame of its own: a full pose is

@@ -19,7 +19,7 @@
 //! has more rows than six. [`SixHardpoint`] is the paper's mechanism in closed form; [`PosePositioner`] is
 //! commanded in coordinates of the pose. A consumer's own
 //! mechanism states its closure and derivatives and gets forward kinematics, motion blocks and, through
-//! them, identification; the suite [`crate::conformance`] compares every derivative with differences.
+//! them, identification; the suite `conformance` compares every derivative with differences.
 
 mod characteristics;
 pub mod closure;
