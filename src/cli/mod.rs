@@ -36,8 +36,8 @@ pub use effect_args::effect_entry;
 #[derive(Parser)]
 #[command(version, about, propagate_version = true)]
 #[command(
-    after_help = "Exit codes: 0 done; 2 the input or the call is wrong, nothing was written; 3 done and written, \
-                        but the result must not be trusted."
+    after_help = "Exit codes: 0 done; 2 the input or the command line is wrong, nothing was written; 3 done, but the \
+                  result must not be trusted (it is written, unless diagnose finds that the file was misread)."
 )]
 pub struct Cli {
     #[command(subcommand)]

@@ -38,7 +38,7 @@ impl Machine {
         }
         if !options.urdf.is_empty() {
             let problem = "closures, links and joint coordinates are for URDF files only, and this is not one";
-            return Err(value("the call", format!("{problem}; leave the options out")));
+            return Err(value("the command line", format!("{problem}; leave the options out")));
         }
         let machine = Self::from_text_with(&text, path, options);
         let robot = path.with_extension("urdf");

@@ -47,7 +47,7 @@ pub enum SelectionError {
     },
     /// So few poses that the index is zero for every set.
     #[error(
-        "{poses} poses give {rows} rows for {directions} parameter directions, so that every set has {index} = 0; \
+        "{poses} poses give {rows} rows for {directions} parameter directions, so every set has {index} = 0; \
          select at least {least} poses"
     )]
     TooFewPoses {

@@ -246,7 +246,7 @@ impl Machine {
             }
         }
         let means = said.join(", ");
-        let message = "reference temperatures that the mechanism file does not state are the means";
+        let message = "reference temperatures that the mechanism file does not state are taken as the means";
         (!said.is_empty()).then(|| format!("{message} of {list}: {means}"))
     }
 

@@ -33,7 +33,7 @@ pub(super) enum Source {
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Option => write!(f, "a pair of the call"),
+            Self::Option => write!(f, "a pair of the command line"),
             Self::SideFile => write!(f, "a pair of the side file"),
             Self::Tag(tag) => write!(f, "<{tag}>"),
             Self::ClosingFrames => write!(f, "closing frames"),

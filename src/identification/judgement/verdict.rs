@@ -50,7 +50,7 @@ pub(crate) fn judge(
     if let Some(p) = found.misfit.p_value().filter(|p| *p < MISFIT) {
         let scale = found.misfit.scale().unwrap_or(f64::NAN);
         reasons.push(format!(
-            "the residuals are {scale:.3} times the stated noise, which chance does not explain (p {}); \
+            "the residuals are {scale:.3} times the stated noise, which cannot be due to chance (p {}); \
              the model misses something, the file is misread, or the noise is understated",
             show_probability(p)
         ));
@@ -58,12 +58,14 @@ pub(crate) fn judge(
     let mut warnings = Vec::new();
     if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
         reasons.push(
-            "there are no more rows than parameters and no noise is stated, so no uncertainty can be given; state \
+            "the readings do not outnumber the parameters and no noise is stated, so no uncertainty can be given; state \
              [noise] or measure more samples"
                 .into(),
         );
     } else if found.misfit.degrees_of_freedom == 0 {
-        warnings.push("there are no more rows than parameters, so the fit cannot be checked against the noise".into());
+        warnings.push(
+            "the readings do not outnumber the parameters, so the fit cannot be checked against the noise".into(),
+        );
     }
     let outside: Vec<String> =
         data.iter().filter(|s| !mechanism.within_strokes(&s.joints)).map(|s| s.row.to_string()).collect();

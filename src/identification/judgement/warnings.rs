@@ -9,11 +9,11 @@ use crate::measurement::Dataset;
 pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
     if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
-        warnings.push("no errors on held-out rows: the remaining rows cannot be fitted on their own".into());
+        warnings.push("errors on held-out rows are not available: without them, the remaining rows do not determine the parameters".into());
     }
     if result.registration.applied {
         warnings.push(
-            "the data are in their own frame; the calibrated model is in the frames of the measurement \
+            "the data are in another frame than the mechanism file; the calibrated model is in the frames of the measurement \
              (see frames)"
                 .into(),
         );

@@ -190,7 +190,7 @@ fn errors_text(d: &Diagnosis) -> String {
         rows.push(errors_row("held out in blocks, with the causes", &summary(g.blocked_position_after, None)));
     }
     rows.push(errors_row("stated noise", &summary(g.noise_floor_position, g.noise_floor_rotation)));
-    let mut text = table(&["rms of vector lengths", "position", "rotation"], &rows);
+    let mut text = table(&["RMS of vector lengths", "position", "rotation"], &rows);
     if let (true, Some(before), Some(after)) = (named, g.position_before, g.position_after) {
         let turned = g.rotation_before.zip(g.rotation_after);
         let turned = turned.map_or_else(String::new, |(b, a)| {

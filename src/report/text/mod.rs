@@ -122,7 +122,7 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
         rows.push(std::iter::once(String::new()).chain(sigmas).collect());
     }
     let unit = if shared { format!(", {}", first[0].spec.dimension.in_tables().0) } else { String::new() };
-    format!("Deviation from the file and its 1 sigma (~){unit}\n{}", table(&header, &rows))
+    format!("Deviation from the mechanism file; 1 sigma below it (~){unit}\n{}", table(&header, &rows))
 }
 
 /// Text output of `calibrate`; the last line is the result in one sentence.

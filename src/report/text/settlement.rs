@@ -33,7 +33,7 @@ pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> 
     text += &table(&header, &rows);
     let best = &plans[0];
     text += &match best.settles() {
-        true => format!("\nMeasure {}: it tells all of them apart.\n", best.what),
+        true => format!("\nMeasure {}: that separates every pair of rivals.\n", best.what),
         false => format!(
             "\nNone of these separates every pair; the best is {} (weakest pair {}).\n",
             best.what,

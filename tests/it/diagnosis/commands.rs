@@ -146,7 +146,7 @@ fn settle_writes_the_table_of_the_best_plan() {
     assert!(errors["rows"] == rows && errors["max"]["position_m"].as_f64().unwrap() < 1e-9, "{errors}");
     let text = bench.done("settle m.toml d.csv").out;
     let what = best["what"].as_str().unwrap();
-    assert!(text.contains(&format!("Measure {what}: it tells all of them apart.")), "{text}");
+    assert!(text.contains(&format!("Measure {what}: that separates every pair of rivals.")), "{text}");
 
     let (clean, _) = Bench::of(Kind::Null, 0);
     assert!(clean.done("settle m.toml d.csv -o x.csv").out.contains("no tie to settle") && !clean.has("x.csv"));

@@ -37,7 +37,7 @@ fn the_table_of_the_legs_has_the_unit_of_each_column() {
     let result = calibrated(&m, &errors);
     let shown = text::calibration(&result);
     let mut lines = shown.lines().skip_while(|l| !l.starts_with("Deviation"));
-    assert_eq!(lines.next(), Some("Deviation from the file and its 1 sigma (~)"));
+    assert_eq!(lines.next(), Some("Deviation from the mechanism file; 1 sigma below it (~)"));
     let header = lines.next().unwrap();
     let columns = ["xA (mm)", "yA (mm)", "o (deg)", "r (mm)", "s (mm)", "xB (mm)", "yB (mm)"];
     assert_eq!(header.split("  ").map(str::trim).filter(|c| !c.is_empty()).skip(1).collect::<Vec<_>>(), columns);

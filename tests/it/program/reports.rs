@@ -47,7 +47,7 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
         "stated noise",
         "Where in the workspace",
         "Residuals against the noise",
-        "Leg by leg over the length of the leg",
+        "Leg by leg against the length of the leg",
         "Correlations of the identified parameters",
         "times as long as the errors",
         "hardpoint-noisy.csv",
@@ -71,10 +71,10 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
         "Detection limits",
         "held out",
         "Added-variable plots",
-        "Leg by leg over time",
-        "Leg by leg over the temperature of the leg",
-        "Leg by leg over the elevation",
-        "leg with a named cause",
+        "Leg by leg against time",
+        "Leg by leg against the temperature of the leg",
+        "Leg by leg against the elevation",
+        "leg named by a cause",
         "Squares on the ground are",
     ] {
         assert!(page.contains(shown), "{shown}");

@@ -87,7 +87,7 @@ fn moved_home(r: &Reader<'_>, stated: &Pose, drawn: &Pose) -> Option<String> {
     let (length, turn) = (moved.fixed_rows::<3>(0).norm(), moved.fixed_rows::<3>(3).norm());
     (moved.amax() > 1e-4).then(|| {
         format!(
-            "[home]: the joints do not control all of its coordinates; home lies {:.3} {} and {:.4} {} from there",
+            "[home]: the joints do not control all of its coordinates; the pose that closes the loops lies {:.3} {} and {:.4} {} from the stated home",
             r.units.length.from_si(length),
             r.units.length.name,
             r.units.angle.from_si(turn),

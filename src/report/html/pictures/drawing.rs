@@ -119,7 +119,7 @@ fn legs(
         let (_, to) = platform.iter().find(|(l, _)| l == leg)?;
         let stands_out = marked.contains(leg);
         Some(LineSegment {
-            name: if stands_out { "leg with a named cause".into() } else { "leg".into() },
+            name: if stands_out { "leg named by a cause".into() } else { "leg".into() },
             colour: if stands_out { 1 } else { 5 },
             from: (*from).into(),
             to: home.place(to).into(),

@@ -23,8 +23,8 @@ pub(in crate::report::html) fn added_variable(causes: &[Cause]) -> Figure {
     };
     Figure {
         title: "Added-variable plots".into(),
-        description: "For each named cause, the residual of each reading without it over the part of the cause that \
-                      neither parameters nor other causes imitate, both in units of the noise; a true cause follows \
+        description: "For each named cause, the residual of each reading in the model without the cause, plotted against the part of \
+                      the cause that neither parameters nor other causes imitate, both in units of the noise; a true cause follows \
                       the line."
             .into(),
         columns: causes.len().min(2),

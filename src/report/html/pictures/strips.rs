@@ -87,7 +87,7 @@ pub(in crate::report::html) fn strips(
                 }
             };
             Figure {
-                title: format!("Leg by leg over {}", against.title),
+                title: format!("Leg by leg against {}", against.title),
                 description: format!(
                     "Residual of each sample as a change of each joint, measured minus predicted, over {}.",
                     against.title
