@@ -78,7 +78,7 @@ fn a_simulated_truth_explains_its_own_data() {
         [&EVERYTHING[..], &["drift.leg[leg=3]=4e-5", "step.frame[row=12]=1e-5,0,0,0,0,2e-5", "sag.frame=5e-5,2e-5"]]
             .concat();
     let (shown, warnings) = simulated(&bench, &effects);
-    says(&warnings, &["are the means of p.csv: temp_legs", "note"]);
+    says(&warnings, &["are taken as the means of p.csv: temp_legs", "note"]);
     assert_eq!(shown["effects"].as_array().unwrap().len(), 10);
     // The conditions are in the data as they stood in the list; remarks are not.
     let (data, poses) = (bench.text("d.csv"), bench.text("p.csv"));
