@@ -67,7 +67,7 @@ fn campaign(machine: &mut Machine) -> Result<Dataset, Box<dyn Error>> {
 
 /// Residual and whitened Jacobian at the start.
 fn system(mechanism: &dyn Mechanism, data: &Dataset) -> Result<(DVector<f64>, DMatrix<f64>), Box<dyn Error>> {
-    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data), None, 1.0)?;
+    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data))?;
     let ((m, n), start) = (problem.shape(), problem.start());
     let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
     problem.linearize(&start, &mut r, &mut j)?;

@@ -38,7 +38,7 @@ const ERROR: f64 = 0.5e-3;
 const WANTED_SPEED_UP: f64 = 1.7;
 
 fn calibrate(mechanism: &dyn Mechanism, data: &Dataset) -> Result<LeastSquaresSolution, IdentifyError> {
-    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data), None, 1.0)?;
+    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data))?;
     let start = problem.start();
     let options = LeastSquaresOptions::default();
     least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &options).map_err(IdentifyError::from)
@@ -46,7 +46,7 @@ fn calibrate(mechanism: &dyn Mechanism, data: &Dataset) -> Result<LeastSquaresSo
 
 /// Residual and whitened Jacobian at the start.
 fn system(mechanism: &dyn Mechanism, data: &Dataset) -> Result<(DVector<f64>, DMatrix<f64>), Box<dyn Error>> {
-    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data), None, 1.0)?;
+    let mut problem = CalibrationProblem::new(&Task::new(mechanism, data))?;
     let ((m, n), start) = (problem.shape(), problem.start());
     let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
     problem.linearize(&start, &mut r, &mut j)?;

@@ -8,11 +8,9 @@
 use std::error::Error;
 
 use paracal::files::{Machine, read_measurement};
-use paracal::identification::{
-    CalibrationOptions, CalibrationProblem, Identification, Identifier, IdentifyError, Task, calibrate, choose_prior,
-};
+use paracal::identification::{CalibrationOptions, CalibrationProblem, Fit, Identifier, IdentifyError, calibrate};
 use paracal::nalgebra::{DMatrix, DVector};
-use paracal::solve::{Convergence, IterationRecord, LeastSquaresProblem, LeastSquaresSolution};
+use paracal::solve::{Convergence, IterationRecord, LeastSquaresProblem};
 
 struct TruncatedSvd {
     /// Singular values below this part of the largest are left out.
@@ -24,34 +22,29 @@ impl Identifier for TruncatedSvd {
         "truncated-svd"
     }
 
-    fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
+    fn estimate(&self, problem: &mut CalibrationProblem<'_>) -> Result<Fit, IdentifyError> {
         // The prior that the task asks for, or an error if the rows are too few.
-        let prior = choose_prior(task, 1.0)?;
-        let mut problem = CalibrationProblem::new(task, prior, 1.0)?;
+        problem.choose_prior(1.0)?;
         let (m, n) = problem.shape();
         let (mut residual, mut jacobian) = (DVector::zeros(m), DMatrix::zeros(m, n));
-        let mut x = problem.start();
-        let (mut history, mut initial_cost) = (Vec::new(), f64::NAN);
-        for iteration in 0..20 {
-            problem.linearize(&x, &mut residual, &mut jacobian).map_err(|e| IdentifyError::Other(e.to_string()))?;
-            let cost = 0.5 * residual.norm_squared();
-            if iteration == 0 {
-                initial_cost = cost;
-            }
+        let mut values = problem.guess();
+        let mut history = Vec::new();
+        for _ in 0..20 {
+            problem
+                .linearize(&values, &mut residual, &mut jacobian)
+                .map_err(|e| IdentifyError::Other(e.to_string()))?;
             let svd = jacobian.clone().svd(true, true);
             let limit = self.part * svd.singular_values.max();
             let step = svd.solve(&residual, limit).map_err(|e| IdentifyError::Other(e.into()))?;
-            x -= &step;
+            values -= &step;
+            let cost = 0.5 * residual.norm_squared();
             history.push(IterationRecord { cost, step: step.amax(), damping: 0.0 });
             if step.amax() < 1e-13 {
                 break;
             }
         }
-        // What is reported belongs to the last point.
-        problem.linearize(&x, &mut residual, &mut jacobian).map_err(|e| IdentifyError::Other(e.to_string()))?;
-        let convergence = Convergence::SmallStep;
-        let solution = LeastSquaresSolution { x, residual, jacobian, initial_cost, history, convergence };
-        Identification::from_solution(task, &problem, &solution, 1.0, vec![1.0; task.data.len()], &[])
+        let weights = vec![1.0; problem.data().len()];
+        Ok(Fit { values, weights, gross: Vec::new(), history, convergence: Convergence::SmallStep })
     }
 }
 

@@ -6,16 +6,20 @@ use rand::rngs::ChaCha8Rng;
 use crate::identification::calibration::{Calibration, CalibrationOptions};
 use crate::identification::carried::{Carried, carried, carried_workspace};
 use crate::identification::error::IdentifyError;
+use crate::identification::estimators::fit::Fit;
 use crate::identification::estimators::identification::Identification;
 use crate::identification::estimators::identifiers::Identifier;
+use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
-use crate::identification::judgement::model_errors::{ErrorSummary, evaluate};
+use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
 use crate::identification::judgement::prediction::predicted_errors;
 use crate::identification::judgement::verdict::judge;
 use crate::identification::judgement::warnings::with_warnings;
-use crate::identification::judgement::weak_directions::{DataSpectrum, weak_directions};
-use crate::identification::problem::prior::{FrameConvention, frames_differ};
-use crate::identification::registration::{Registration, register};
+use crate::identification::judgement::weak_directions::weak_directions;
+use crate::identification::problem::calibration_problem::CalibrationProblem;
+use crate::identification::problem::prior::{FrameConvention, Prior, frames_differ};
+use crate::identification::problem::start::poses_from_home;
+use crate::identification::registration::{Registration, register, register_poses};
 use crate::identification::task::Task;
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Mechanism, Workspace};
@@ -39,26 +43,11 @@ pub fn calibrate(
     identifier: &dyn Identifier,
     options: &CalibrationOptions,
 ) -> Result<Calibration, IdentifyError> {
-    let identify = |task: &Task<'_>| match identifier.identify(task) {
-        Ok(found) => Ok((found, true)),
-        Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
-        Err(error) => Err(error),
-    };
-    let (registration, identified) = settled_registration(mechanism, data, options, &identify)?;
+    let nominal = poses_from_home(mechanism, data);
+    let Solved { registration, mut problem, fit, converged } =
+        identified(mechanism, data, &nominal, options, identifier)?;
     let frames = registration.frames;
-    let aligned = data.with_frames(frames);
-    let convention = if frames.is_identity() { FrameConvention::Stated } else { FrameConvention::Free };
-    let mut task =
-        Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
-    let (mut found, mut converged) = match identified {
-        Some(identified) => identified,
-        None => identify(&task)?,
-    };
-    if found.prior && convention == FrameConvention::Stated && frames_differ(mechanism, &found.mechanism_values()) {
-        // The tracker or the target is a little off: too little to be registered, too much for the tolerances.
-        task.convention = FrameConvention::Free;
-        (found, converged) = identify(&task)?;
-    }
+    let found = Identification::of(&mut problem, &fit)?;
     let Carried { mechanism: calibrated, parameters, covariance, plausibility } = carried(mechanism, &found, &frames)?;
     let own = found.own_values();
     let held_out = match &options.holdout {
@@ -66,9 +55,14 @@ pub fn calibrate(
             let errors = evaluate(calibrated.as_ref(), &own, other).map_err(|e| IdentifyError::HeldOut(Box::new(e)))?;
             Some(HeldOut { rms: errors.rms(), samples: errors.samples.len() })
         }
-        holdout => held_out(identifier, &task, holdout, options.seed)?,
+        holdout => held_out(identifier, &problem, &fit, holdout, options.seed)?,
     };
-    let spectrum = DataSpectrum::at_start(&task, found.noise_scale)?;
+    let rows = problem.at_start()?;
+    let weak = if rows.without_weakness(found.noise_scale) {
+        Vec::new()
+    } else {
+        weak_directions(mechanism, &rows.spectrum().for_noise(found.noise_scale))
+    };
     let mut verdict = judge(mechanism, data, &found, converged);
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
     let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(
@@ -78,15 +72,16 @@ pub fn calibrate(
         },
         |errors| errors.rms(),
     );
+    let nominal: Vec<Pose> = nominal.into_iter().collect::<Result<_, _>>()?;
     let result = Calibration {
         measurement: data.model().describe(),
         nuisance_heading: data.model().nuisance_heading(),
         identifier: identifier.name().to_owned(),
-        before: evaluate(mechanism, &[], data)?.rms(),
+        before: errors_at(&nominal, &[], data).rms(),
         after,
         held_out,
         predicted: predict(mechanism, &found, workspace, &frames, options)?,
-        weak: weak_directions(mechanism, &spectrum),
+        weak,
         plausibility,
         workspace: workspace.map(|w| carried_workspace(w, &frames)),
         verdict,
@@ -100,42 +95,80 @@ pub fn calibrate(
     Ok(with_warnings(result, data, &options.holdout))
 }
 
-/// Gives an identification, and whether it converged.
-type Identify<'a> = dyn Fn(&Task<'_>) -> Result<(Identification, bool), IdentifyError> + 'a;
+/// What was found, in which frames.
+struct Solved<'a> {
+    registration: Registration,
+    problem: CalibrationProblem<'a>,
+    fit: Fit,
+    converged: bool,
+}
+
+/// The fit of a problem, and whether it converged.
+fn estimated(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) -> Result<(Fit, bool), IdentifyError> {
+    match identifier.estimate(problem) {
+        Ok(fit) => Ok((fit, true)),
+        Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
+        Err(error) => Err(error),
+    }
+}
 
 /// Frames found with the drawing and, while the data do not fit, again with the mechanism that was identified in them. A
-/// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause. With the frames
-/// comes what was identified in them, if anything was.
-fn settled_registration(
-    mechanism: &dyn Mechanism,
+/// platform that hardly turns shows where the target sits on it only by the tilts that its own errors cause.
+fn identified<'a>(
+    mechanism: &'a dyn Mechanism,
     data: &Dataset,
+    nominal: &[Result<Pose, IdentifyError>],
     options: &CalibrationOptions,
-    identify: &Identify<'_>,
-) -> Result<(Registration, Option<(Identification, bool)>), IdentifyError> {
-    let (mut best, mut identified) = (register(mechanism, data)?, None);
-    let mut least = f64::INFINITY;
-    let mut tried = best;
+    identifier: &dyn Identifier,
+) -> Result<Solved<'a>, IdentifyError> {
+    let solve = |registration: Registration, convention: FrameConvention| -> Result<Solved<'a>, IdentifyError> {
+        let aligned = data.with_frames(registration.frames);
+        let task =
+            Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
+        let mut problem = CalibrationProblem::from_poses(mechanism, &task, nominal.to_vec())?;
+        let (fit, converged) = estimated(identifier, &mut problem)?;
+        Ok(Solved { registration, problem, fit, converged })
+    };
+    let mut tried = register_poses(mechanism, data, nominal)?;
+    // A mechanism that carries its points takes the frames up in them.
+    if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
+        let stated = tried.frames.is_identity();
+        let found = solve(tried, if stated { FrameConvention::Stated } else { FrameConvention::Free })?;
+        return if stated { with_frames_as_found(found, identifier) } else { Ok(found) };
+    }
+    let (mut best, mut least) = (None, f64::INFINITY);
     for _ in 0..FRAME_ROUNDS {
-        // A mechanism that carries its points takes the frames up in them.
-        if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
+        let found = solve(tried, FrameConvention::Free)?;
+        let misfit = GoodnessOfFit::of(&found.problem, &found.fit)?;
+        if best.is_some() && !(misfit.chi_square < least) {
             break;
         }
-        let aligned = data.with_frames(tried.frames);
-        let (prior, weights, convention) = (options.prior, options.weights, FrameConvention::Free);
-        let (found, converged) = identify(&Task { prior, weights, convention, ..Task::new(mechanism, &aligned) })?;
-        let misfit = found.misfit.chi_square;
-        if !(misfit < least) {
-            break;
-        }
-        let fits = found.misfit.p_value().is_none_or(|p| p > FITS);
-        let values = found.mechanism_values();
-        (best, least, identified) = (tried, misfit, Some((found, converged)));
+        least = misfit.chi_square;
+        let fits = misfit.p_value().is_none_or(|p| p > FITS);
+        let values = found.fit.values.as_slice()[..found.problem.mechanism_parameters()].to_vec();
+        best = Some(found);
         if fits {
             break;
         }
         tried = register(mechanism.with_values(&values, mechanism.home())?.as_ref(), data)?;
+        if !tried.applied {
+            break;
+        }
     }
-    Ok((best, identified))
+    // The first round always leaves one.
+    best.ok_or(IdentifyError::Empty)
+}
+
+/// The tracker or the target may be a little off: too little to be registered, too much for the tolerances.
+fn with_frames_as_found<'a>(mut found: Solved<'a>, identifier: &dyn Identifier) -> Result<Solved<'a>, IdentifyError> {
+    let mechanism = found.problem.mechanism();
+    let values = &found.fit.values.as_slice()[..found.problem.mechanism_parameters()];
+    if found.problem.prior().is_some_and(Prior::informs) && frames_differ(mechanism, values) {
+        found.problem = found.problem.with_convention(FrameConvention::Free);
+        found.problem.begin_at(found.fit.values);
+        (found.fit, found.converged) = estimated(identifier, &mut found.problem)?;
+    }
+    Ok(found)
 }
 
 fn predict(

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::identification::estimators::identification::Identification;
+use crate::identification::estimators::fit::Fit;
 use crate::measurement::DataRow;
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::solve::SolveError;
@@ -65,7 +65,7 @@ pub enum IdentifyError {
         /// Error of the solver.
         cause: SolveError,
         /// Where the iteration stood.
-        last: Box<Identification>,
+        last: Box<Fit>,
     },
     /// The iteration failed.
     #[error(transparent)]
@@ -79,4 +79,17 @@ pub enum IdentifyError {
     /// An identifier of a consumer failed.
     #[error("{0}")]
     Other(String),
+}
+
+impl IdentifyError {
+    /// Of a solver for so many samples: where it stood is kept if it only ran out of iterations.
+    pub fn without_minimum(cause: SolveError, samples: usize) -> Self {
+        match &cause {
+            SolveError::NoConvergence { last, .. } => {
+                let last = Box::new(Fit::new(last, samples));
+                Self::NotConverged { cause, last }
+            }
+            _ => cause.into(),
+        }
+    }
 }

@@ -11,7 +11,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 
 use crate::identification::error::IdentifyError;
-use crate::identification::problem::calibration_problem::pose_from_home;
+use crate::identification::problem::start::poses_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};
 use crate::pose::{Pose, kabsch, rotation_vector};
@@ -72,7 +72,16 @@ const TRACKER: f64 = 100.0;
 /// # Errors
 /// [`IdentifyError::Sample`] if the nominal mechanism has no pose for a sample.
 pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registration, IdentifyError> {
-    let pairs = pairs(mechanism, data)?;
+    register_poses(mechanism, data, &poses_from_home(mechanism, data))
+}
+
+/// As [`register`], where the mechanism puts the samples at these poses.
+pub(crate) fn register_poses(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    poses: &[Result<Pose, IdentifyError>],
+) -> Result<Registration, IdentifyError> {
+    let pairs = pairs(data, poses)?;
     let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
     if pairs.len() < FEWEST || !takes_frames(mechanism) {
         return Ok(unregistered(f64::NAN));
@@ -85,10 +94,13 @@ pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registratio
         .filter_map(|s| s.tolerance)
         .fold(0.0, f64::max);
     let near = if tolerance > 0.0 { (TOLERANCES * tolerance).min(PART_OF_SIZE * size) } else { PART_OF_SIZE * size };
-    // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
-    let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
     let target = data.model().target_frame();
     let before = misfit(&pairs, &Frames::default(), size);
+    if before <= near && target != TargetFrame::Identified {
+        return Ok(unregistered(before));
+    }
+    // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
+    let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
     // Points at unknown places have no meaning in the platform frame until their places are found.
     if before <= near && target != TargetFrame::Identified {
         return Ok(unregistered(before));
@@ -130,14 +142,14 @@ fn takes_frames(mechanism: &dyn Mechanism) -> bool {
     !mechanism.parameters().iter().any(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
 }
 
-fn pairs(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pair>, IdentifyError> {
+fn pairs(data: &Dataset, poses: &[Result<Pose, IdentifyError>]) -> Result<Vec<Pair>, IdentifyError> {
     let mut pairs = Vec::new();
-    for k in 0..data.len() {
+    for (k, nominal) in poses.iter().enumerate() {
         let (model, index) = data.reading(k);
         let full = model.rigid_pose(index);
         let point = model.point(index).map(|p| (p.position, p.place));
         let Some((point, place)) = full.map(|p| (p.position, Vector3::zeros())).or(point) else { continue };
-        let nominal = pose_from_home(mechanism, data, k)?;
+        let nominal = nominal.clone()?;
         pairs.push(Pair { nominal, point, place, rotation: full.map(|p| p.rotation) });
     }
     // Attitudes are worth more than points: samples without one are left out while enough others have one.

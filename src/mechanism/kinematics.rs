@@ -35,11 +35,7 @@ pub fn continuation(
     if joints.iter().any(|v| !v.is_finite()) || !seed.is_finite() {
         return Err(KinematicsError::NotFinite { what: "a joint coordinate or the starting pose".into() });
     }
-    let near = |from: &Pose, to: &NewtonSolution<Pose>| {
-        // The sum of the products of entries is the trace of RᵀR', which is 1 + 2 cos of the turn between them.
-        let cos = 0.5 * (to.point.rotation.matrix().dot(from.rotation.matrix()) - 1.0);
-        to.determinant * side >= 0.0 && cos > COS_FAR_TURN
-    };
+    let near = |from: &Pose, to: &NewtonSolution<Pose>| on_branch(from, &to.point, to.determinant, side);
     match solve(joints, seed) {
         Ok(found) if near(seed, &found) => return Ok(found.point),
         Err(NewtonError::NotFinite { .. }) => {
@@ -71,6 +67,14 @@ pub fn continuation(
         }
     }
     Ok(pose)
+}
+
+/// True if a root belongs to the branch of the seed as far as one look can tell: the platform turned by less than a radian, and
+/// `determinant`, that of `J₁`, has the sign `side`.
+pub(super) fn on_branch(seed: &Pose, root: &Pose, determinant: f64, side: f64) -> bool {
+    // The sum of the products of entries is the trace of RᵀR', which is 1 + 2 cos of the turn between them.
+    let cos = 0.5 * (root.rotation.matrix().dot(seed.rotation.matrix()) - 1.0);
+    determinant * side >= 0.0 && cos > COS_FAR_TURN
 }
 
 /// Step (m and rad) or residual (m) below which more than six equations are settled.

@@ -30,6 +30,7 @@ mod parameter;
 mod pose_positioner;
 mod six_hardpoint;
 mod six_legs;
+mod six_legs_batch;
 mod survey;
 mod workspace;
 
@@ -135,6 +136,12 @@ pub trait Mechanism: Any + Debug + Send + Sync {
     /// not finite; a result is always a root.
     fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError>;
 
+    /// Forward kinematics of many poses for the same parameters; results in order. A mechanism that solves several at once
+    /// faster than one after the other says how; the roots are the same.
+    fn forward_batch(&self, c: &[f64], queries: &[ForwardQuery<'_>]) -> Vec<Result<Pose, KinematicsError>> {
+        queries.iter().map(|q| self.forward(c, q.joints, q.at, &q.seed)).collect()
+    }
+
     /// True if every joint lies in its stroke; joints without a stroke always do.
     fn within_strokes(&self, joints: &[f64]) -> bool {
         self.joints().iter().zip(joints).all(|(j, v)| j.stroke.is_none_or(|[from, to]| from <= *v && *v <= to))
@@ -153,6 +160,24 @@ pub trait Mechanism: Any + Debug + Send + Sync {
         out: &mut MotionBlock,
     ) -> Result<(), KinematicsError> {
         motion_block_by_closure(self, c, joints, pose, at, out)
+    }
+}
+
+/// One question to [`Mechanism::forward_batch`].
+#[derive(Clone, Copy, Debug)]
+pub struct ForwardQuery<'a> {
+    /// Joint coordinates, SI.
+    pub joints: &'a [f64],
+    /// Operating state.
+    pub at: &'a Conditions,
+    /// Where the search starts, on the branch of the answer.
+    pub seed: Pose,
+}
+
+impl<'a> ForwardQuery<'a> {
+    /// The pose of `joints` in the operating state `at`, on the branch of `seed`.
+    pub fn new(joints: &'a [f64], at: &'a Conditions, seed: Pose) -> Self {
+        Self { joints, at, seed }
     }
 }
 

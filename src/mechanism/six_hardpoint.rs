@@ -13,10 +13,12 @@
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
+use super::kinematics::on_branch;
 use super::six_legs::{SixLegs, leg_row};
+use super::six_legs_batch::SixLegsBatch;
 use super::{
-    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
-    ParameterSpec, check_held, continuation, inverse_motion,
+    Axis, ForwardQuery, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock,
+    ParameterRole, ParameterSpec, check_held, continuation, inverse_motion,
 };
 use crate::conditions::Conditions;
 use crate::pose::Pose;
@@ -283,6 +285,24 @@ impl Mechanism for SixHardpoint {
             self.side,
             |joints, seed| newton(self.legs(c, joints), *seed, NewtonOptions::default()),
         )
+    }
+
+    fn forward_batch(&self, c: &[f64], queries: &[ForwardQuery<'_>]) -> Vec<Result<Pose, KinematicsError>> {
+        let one = |q: &ForwardQuery<'_>| self.forward(c, q.joints, q.at, &q.seed);
+        let (Some(first), true) = (queries.first(), queries.iter().all(|q| q.joints.len() == LEGS)) else {
+            return queries.iter().map(one).collect();
+        };
+        let legs = self.legs(c, first.joints);
+        let (mut residual, mut motion) = (Vector6::zeros(), Matrix6::zeros());
+        legs.equations(&first.seed, &mut residual, &mut motion);
+        let (lengths, seeds): (Vec<_>, Vec<_>) =
+            queries.iter().map(|q| (self.legs(c, q.joints).length, q.seed)).unzip();
+        let found = SixLegsBatch::new(legs.a, legs.b, &motion).solve(&lengths, &seeds);
+        let checked = |(found, query): (Option<(Pose, f64)>, &ForwardQuery<'_>)| match found {
+            Some((pose, determinant)) if on_branch(&query.seed, &pose, determinant, self.side) => Ok(pose),
+            _ => one(query),
+        };
+        found.into_iter().zip(queries).map(checked).collect()
     }
 
     fn motion_block(

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use crate::conditions::Conditions;
 use crate::effect::{ActiveEffect, EffectContext, seen};
 use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
-use crate::mechanism::{KinematicsError, Mechanism, ParameterSpec, characteristic_length};
+use crate::mechanism::{ForwardQuery, KinematicsError, Mechanism, ParameterSpec, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
 
@@ -106,9 +106,13 @@ pub fn simulate_run<R: Rng + ?Sized>(
     let home = nominal.inverse(nominal.values(), &nominal.home(), &Conditions::unknown()).ok();
     let mut states: Vec<Conditions> = run.iter().map(|c| c.state.clone()).collect();
     Conditions::put_in_run(&mut states, commands.clone(), home.as_deref());
+    let query = |((command, joints), at): ((&Command, _), _)| ForwardQuery::new(joints, at, command.pose);
+    let queries: Vec<ForwardQuery<'_>> =
+        run.iter().zip(commands.iter().map(Vec::as_slice)).zip(&states).map(query).collect();
+    let reached = truth.forward_batch(truth.values(), &queries);
     let mut samples = Vec::with_capacity(run.len());
-    for (k, ((Command { pose, .. }, mut joints), at)) in run.iter().zip(commands).zip(&states).enumerate() {
-        let went = truth.forward(truth.values(), &joints, at, pose).map_err(|e| (k, e))?;
+    for (k, ((went, mut joints), at)) in reached.into_iter().zip(commands).zip(&states).enumerate() {
+        let went = went.map_err(|e| (k, e))?;
         if truth.equations() > 6 {
             // More joints than the pose needs cannot all follow their commands: readings are those of the pose that was
             // reached.

@@ -5,9 +5,9 @@ use thiserror::Error;
 
 use super::{as_dataset, simulate};
 use crate::conditions::Conditions;
-use crate::identification::{Identifier, IdentifyError, PriorPolicy, Task, Weights};
+use crate::identification::{CalibrationProblem, Identifier, IdentifyError, PriorPolicy, Task, Weights};
 use crate::measurement::Noise;
-use crate::mechanism::{GeometryError, KinematicsError, Mechanism};
+use crate::mechanism::{ForwardQuery, GeometryError, KinematicsError, Mechanism};
 use crate::pose::{Pose, PoseConvention, wrapped_angle};
 
 /// How parameters are found from the measured poses.
@@ -96,7 +96,9 @@ impl Trial<'_> {
             .map_err(|(index, cause)| TrialError::Pose { index, cause })?;
         let measured = as_dataset(&samples, &self.convention, &self.noise);
         let Estimator { identifier, weights, prior } = self.estimator;
-        let values = identifier.values(&Task { weights, prior, ..Task::new(self.nominal, &measured) })?;
+        let mut problem = CalibrationProblem::new(&Task { weights, prior, ..Task::new(self.nominal, &measured) })?;
+        let fit = identifier.estimate(&mut problem)?;
+        let values = fit.values.as_slice()[..problem.mechanism_parameters()].to_vec();
         let model = self.nominal.with_values(&values, self.nominal.home())?;
         let errors = target_errors(model.as_ref(), truth, self.targets, &self.convention)?;
         Ok(TrialResult { values, errors })
@@ -115,10 +117,14 @@ pub fn target_errors(
 ) -> Result<TargetErrors, TrialError> {
     let at = Conditions::unknown();
     let mut errors = TargetErrors::default();
-    for (index, target) in targets.iter().enumerate() {
-        let about = |cause| TrialError::Target { index, cause };
-        let joints = model.inverse(model.values(), target, &at).map_err(about)?;
-        let reached = truth.forward(truth.values(), &joints, &at, target).map_err(about)?;
+    let about = |index| move |cause| TrialError::Target { index, cause };
+    let command = |(index, target)| model.inverse(model.values(), target, &at).map_err(about(index));
+    let commands: Vec<Vec<f64>> = targets.iter().enumerate().map(command).collect::<Result<_, _>>()?;
+    let queries: Vec<ForwardQuery<'_>> =
+        commands.iter().zip(targets).map(|(joints, target)| ForwardQuery::new(joints, &at, *target)).collect();
+    let all_reached = truth.forward_batch(truth.values(), &queries);
+    for (index, (target, reached)) in targets.iter().zip(all_reached).enumerate() {
+        let reached = reached.map_err(about(index))?;
         let (wanted, went) = (convention.coordinates(target), convention.coordinates(&reached));
         let length = |range: std::ops::Range<usize>, difference: fn(f64) -> f64| {
             range.map(|k| difference(went[k] - wanted[k]).powi(2)).sum::<f64>().sqrt()

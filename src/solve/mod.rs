@@ -21,6 +21,7 @@
 
 mod decomposition;
 mod gauss_newton;
+mod lanes;
 mod least_squares;
 mod levenberg_marquardt;
 mod linear;
@@ -29,9 +30,11 @@ mod minimum_norm;
 mod newton;
 mod pseudo_inverse;
 mod state;
+mod triangle;
 
 pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
 use gauss_newton::GaussNewton;
+pub(crate) use lanes::{LANES, Lanes, load, store, vectors};
 pub use least_squares::{
     Convergence, EvaluationError, IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem,
     LeastSquaresSolution, SolveError, least_squares,
@@ -42,3 +45,4 @@ pub(crate) use linearized::linearized;
 pub(crate) use minimum_norm::minimum_norm;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
 pub(crate) use pseudo_inverse::{pseudo_inverse, with_unit_columns};
+pub(crate) use triangle::{Triangle, independent};

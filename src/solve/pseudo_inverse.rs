@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::decomposition::svd;
 
 /// Singular values below this part of the largest count as zero.
-const RANK: f64 = 1e-10;
+pub(super) const RANK: f64 = 1e-10;
 
 /// A matrix with its columns scaled to length one, and what they were divided by: their lengths, or one for columns of
 /// zeros.

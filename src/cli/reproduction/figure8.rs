@@ -127,7 +127,7 @@ fn task<'a>(nominal: &'a dyn Mechanism, data: &'a Dataset) -> Task<'a> {
 
 /// Parameter values after 0, 1, 2, … iterations of the paper's Gauss–Newton; each step is taken `by` times.
 fn trajectory(nominal: &dyn Mechanism, data: &Dataset, by: f64) -> Result<Vec<DVector<f64>>, ReproduceError> {
-    let mut problem = CalibrationProblem::new(&task(nominal, data), None, 1.0)?;
+    let mut problem = CalibrationProblem::new(&task(nominal, data))?;
     let options = LeastSquaresOptions { linear: LinearMethod::Qr, max_iterations: 1, ..Default::default() };
     let mut values = vec![problem.start()];
     let mut x = problem.start();

@@ -172,7 +172,7 @@ impl<'a> Hypotheses<'a> {
         let everything: Vec<ActiveEffect> = point.effects.iter().chain(&asked).cloned().collect();
         let seen = WithInstrumentEffects::wrap(self.data, self.mechanism, &self.environment, &everything)?;
         let task = Task::new(&extended, &seen);
-        let mut problem = CalibrationProblem::new(&task, None, 1.0)?;
+        let mut problem = CalibrationProblem::new(&task)?;
         let x = problem.start();
         let (r, j) = linearized(&mut problem, &x).map_err(IdentifyError::Solve)?;
         let m = r.len();
@@ -215,7 +215,8 @@ impl<'a> Hypotheses<'a> {
         let data = seen.subset(kept);
         let prior = self.prior.for_more_parameters(extended.parameters().len());
         let task = Task::new(&extended, &data);
-        let mut problem = CalibrationProblem::new(&task, Some(prior), point.scale)?;
+        let mut problem = CalibrationProblem::new(&task)?.with_prior(Some(prior));
+        problem.scale_noise(point.scale);
         let start = problem.start();
         // The search goes on with linear steps of its own, so that this one may end early.
         let options = LeastSquaresOptions { gradient_tolerance: 1e-4, step_tolerance: 1e-9, ..Default::default() };

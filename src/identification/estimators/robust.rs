@@ -1,13 +1,11 @@
 //! Identification that gross errors cannot pull away.
 
-use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF};
 
 use crate::identification::error::IdentifyError;
-use crate::identification::estimators::identification::Identification;
-use crate::identification::estimators::identifiers::{Identifier, choose_prior};
+use crate::identification::estimators::fit::Fit;
+use crate::identification::estimators::identifiers::Identifier;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
-use crate::identification::task::{Task, Weights};
 use crate::measurement::SamplePosition;
 use crate::solve::{
     IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, SolveError, least_squares,
@@ -111,28 +109,28 @@ impl Identifier for Robust {
         "robust"
     }
 
-    fn identify(&self, task: &Task<'_>) -> Result<Identification, IdentifyError> {
-        let task = &Task { weights: Weights::Noise, ..*task };
+    fn estimate(&self, problem: &mut CalibrationProblem<'_>) -> Result<Fit, IdentifyError> {
+        problem.weigh_by_noise()?;
         let mut history = Vec::new();
         let losses: &[Loss] = match self.loss {
             Loss::Huber => &[Loss::Huber],
             Loss::Tukey => &[Loss::Huber, Loss::Tukey],
         };
-        let (mut scale, mut weights, mut x) = (1.0, first_weights(task)?, None);
+        // The loss, unlike a sum of squares, may have other minima: every run begins at the start.
+        problem.begin_at(problem.start());
+        let (mut scale, mut weights) = (1.0, first_weights(problem)?);
         for loss in losses {
             for _ in 0..MAX_ROUNDS {
-                let mut problem = self.problem(task, scale)?;
-                problem.weigh_samples(&weights);
-                let start = x.take().unwrap_or_else(|| problem.start());
+                prepare(problem, scale, &weights)?;
                 // A round that runs out of iterations still moves on; only the last one has to converge.
-                let solution = match self.minimise(&mut problem, start) {
+                let solution = match self.minimise(problem) {
                     Err(SolveError::NoConvergence { last, .. }) => *last,
                     other => other?,
                 };
                 history.extend_from_slice(&solution.history);
-                let distances = distances(&mut problem, &solution, &weights)?;
+                let distances = distances(problem, &solution, &weights)?;
                 // A stated noise is not improved upon: a scale below one would only make good samples look bad.
-                let least = if task.data.noise.known { 1.0 / scale } else { 0.0 };
+                let least = if problem.data().noise.known { 1.0 / scale } else { 0.0 };
                 let shift = median_scale(&distances).max(least);
                 let next: Vec<f64> = distances
                     .iter()
@@ -141,63 +139,55 @@ impl Identifier for Robust {
                 let change = next.iter().zip(&weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 weights = next;
                 scale *= shift;
-                x = Some(solution.x);
+                problem.begin_at(solution.x);
                 if change < SETTLED && (shift - 1.0).abs() < 1e-3 {
                     break;
                 }
             }
         }
-        self.finish(task, x, &weights, scale, history)
+        prepare(problem, scale, &weights)?;
+        self.finish(problem, weights, history)
     }
 }
 
-impl Robust {
-    /// The problem with the noise at `scale`. Gross errors blow the scale up while they still pull at the fit, and
-    /// must not talk the prior into it: with a stated noise the prior is the one that this noise asks for.
-    fn problem<'a>(&self, task: &Task<'a>, scale: f64) -> Result<CalibrationProblem<'a>, IdentifyError> {
-        let prior = choose_prior(task, if task.data.noise.known { 1.0 } else { scale })?;
-        CalibrationProblem::new(task, prior, scale)
-    }
+/// The problem with the noise at `scale`. Gross errors blow the scale up while they still pull at the fit, and
+/// must not talk the prior into it: with a stated noise the prior is the one that this noise asks for.
+fn prepare(problem: &mut CalibrationProblem<'_>, scale: f64, weights: &[f64]) -> Result<(), IdentifyError> {
+    problem.scale_noise(scale);
+    problem.choose_prior(if problem.data().noise.known { 1.0 } else { scale })?;
+    problem.weigh_samples(weights);
+    Ok(())
+}
 
-    fn minimise(
-        &self,
-        problem: &mut CalibrationProblem<'_>,
-        start: DVector<f64>,
-    ) -> Result<LeastSquaresSolution, SolveError> {
-        least_squares(problem, start, LeastSquaresMethod::LevenbergMarquardt, &self.options)
+impl Robust {
+    fn minimise(&self, problem: &mut CalibrationProblem<'_>) -> Result<LeastSquaresSolution, SolveError> {
+        let guess = problem.guess();
+        least_squares(problem, guess, LeastSquaresMethod::LevenbergMarquardt, &self.options)
     }
 
     fn finish(
         &self,
-        task: &Task<'_>,
-        x: Option<DVector<f64>>,
-        weights: &[f64],
-        scale: f64,
+        problem: &mut CalibrationProblem<'_>,
+        weights: Vec<f64>,
         history: Vec<IterationRecord>,
-    ) -> Result<Identification, IdentifyError> {
-        let mut problem = self.problem(task, scale)?;
-        problem.weigh_samples(weights);
-        let start = x.unwrap_or_else(|| problem.start());
-        let (solution, failure) = match self.minimise(&mut problem, start) {
+    ) -> Result<Fit, IdentifyError> {
+        let (solution, failure) = match self.minimise(problem) {
             Ok(solution) => (solution, None),
             Err(SolveError::NoConvergence { iterations, cost, step, last }) => {
                 (*last.clone(), Some(SolveError::NoConvergence { iterations, cost, step, last }))
             }
             Err(cause) => return Err(cause.into()),
         };
-        let level = OUTLIER_LEVEL / task.data.len() as f64;
+        let level = OUTLIER_LEVEL / problem.data().len() as f64;
         let gross = |(k, d): (usize, &Distance)| {
             let limit = ChiSquared::new(d.rows as f64).map_or(f64::INFINITY, |chi| chi.inverse_cdf(1.0 - level));
             (d.length.powi(2) > limit).then_some(SamplePosition(k))
         };
-        let outliers: Vec<SamplePosition> =
-            distances(&mut problem, &solution, weights)?.iter().enumerate().filter_map(gross).collect();
-        problem.weigh_samples(weights);
-        let mut found = Identification::from_solution(task, &problem, &solution, scale, weights.to_vec(), &outliers)?;
-        found.history = history;
+        let gross = distances(problem, &solution, &weights)?.iter().enumerate().filter_map(gross).collect();
+        let fit = Fit { weights, gross, history, ..Fit::new(&solution, 0) };
         match failure {
-            None => Ok(found),
-            Some(cause) => Err(IdentifyError::NotConverged { cause, last: Box::new(found) }),
+            None => Ok(fit),
+            Some(cause) => Err(IdentifyError::NotConverged { cause, last: Box::new(fit) }),
         }
     }
 }
@@ -255,10 +245,8 @@ fn median_scale(distances: &[Distance]) -> f64 {
 
 /// Weights for the first fit: none for samples whose misfit against the mechanism as it is given stands out of all
 /// the others', so that errors larger than those of the mechanism never enter.
-fn first_weights(task: &Task<'_>) -> Result<Vec<f64>, IdentifyError> {
-    let mut problem = CalibrationProblem::new(task, None, 1.0)?;
-    let start = problem.start();
-    let (residual, _) = linearized(&mut problem, &start)?;
+fn first_weights(problem: &CalibrationProblem<'_>) -> Result<Vec<f64>, IdentifyError> {
+    let (residual, _) = problem.data_at(&problem.start())?;
     let lengths: Vec<f64> =
         problem.sample_rows().into_iter().map(|(first, n)| residual.rows(first, n).norm()).collect();
     let mut sorted = lengths.clone();

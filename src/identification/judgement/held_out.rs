@@ -6,10 +6,14 @@ use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
 use crate::identification::error::IdentifyError;
+use crate::identification::estimators::fit::Fit;
 use crate::identification::estimators::identifiers::Identifier;
-use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, evaluate};
-use crate::identification::task::Task;
+use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, errors_at};
+use crate::identification::problem::calibration_problem::CalibrationProblem;
+use crate::identification::problem::start::sample_error;
 use crate::measurement::Dataset;
+use crate::mechanism::ForwardQuery;
+use crate::pose::Pose;
 
 /// Which rows are held out.
 #[derive(Clone, Debug)]
@@ -34,37 +38,29 @@ pub struct HeldOut {
     pub samples: usize,
 }
 
-/// Identifies without the held-out samples and predicts them. `None` if there are too few samples for that.
+/// Estimates without the held-out samples, each time from the fit of all of them, and predicts them. `None` if there are too
+/// few samples for that.
 ///
 /// # Errors
-/// [`IdentifyError`] if an identification fails for another reason than too few rows.
+/// [`IdentifyError`] if an estimate fails for another reason than too few rows.
 pub(crate) fn held_out(
     identifier: &dyn Identifier,
-    task: &Task<'_>,
+    problem: &CalibrationProblem<'_>,
+    fit: &Fit,
     holdout: &Holdout,
     seed: u64,
 ) -> Result<Option<HeldOut>, IdentifyError> {
-    let n = task.data.len();
-    let mut order: Vec<usize> = (0..n).collect();
-    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    let folds: Vec<Vec<usize>> = match holdout {
-        Holdout::Folds(count) => (0..*count).map(|f| order.iter().copied().skip(f).step_by(*count).collect()).collect(),
-        Holdout::Fraction(part) => {
-            let held = ((part * n as f64).round() as usize).clamp(1, n.saturating_sub(1).max(1));
-            vec![order[..held.min(n)].to_vec()]
-        }
-        Holdout::Data(_) | Holdout::None => return Ok(None),
-    };
+    let n = problem.data().len();
+    let Some(folds) = folds(holdout, n, seed) else { return Ok(None) };
     let predict = |held: &Vec<usize>| -> Result<ModelErrors, IdentifyError> {
         let mut is_held = vec![false; n];
         held.iter().for_each(|k| is_held[*k] = true);
         let rest: Vec<usize> = (0..n).filter(|k| !is_held[*k]).collect();
-        let fitted = task.data.subset(&rest);
-        let found = identifier.identify(&Task { data: &fitted, ..*task })?;
-        let mechanism = task.mechanism.with_values(&found.mechanism_values(), task.mechanism.home())?;
-        evaluate(mechanism.as_ref(), &found.own_values(), &task.data.subset(held))
+        let found = identifier.estimate(&mut problem.subset(&rest, &fit.values))?.values;
+        let (c, own) = found.as_slice().split_at(problem.mechanism_parameters());
+        let poses = poses_near(problem, held, c)?;
+        Ok(errors_at(&poses, own, &problem.data().subset(held)))
     };
-    let folds: Vec<Vec<usize>> = folds.into_iter().filter(|f| !f.is_empty()).collect();
     let parts: Result<Vec<ModelErrors>, IdentifyError> = folds.par_iter().map(predict).collect();
     match parts {
         Ok(parts) => {
@@ -79,4 +75,31 @@ pub(crate) fn held_out(
         ) => Ok(None),
         Err(other) => Err(other),
     }
+}
+
+/// The positions of the samples of each fold, in random order.
+fn folds(holdout: &Holdout, n: usize, seed: u64) -> Option<Vec<Vec<usize>>> {
+    let mut order: Vec<usize> = (0..n).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let folds: Vec<Vec<usize>> = match holdout {
+        Holdout::Folds(count) => (0..*count).map(|f| order.iter().copied().skip(f).step_by(*count).collect()).collect(),
+        Holdout::Fraction(part) => {
+            let held = ((part * n as f64).round() as usize).clamp(1, n.saturating_sub(1).max(1));
+            vec![order[..held.min(n)].to_vec()]
+        }
+        Holdout::Data(_) | Holdout::None => return None,
+    };
+    Some(folds.into_iter().filter(|f| !f.is_empty()).collect())
+}
+
+/// Poses of samples for parameters near those that a problem was last evaluated at.
+fn poses_near(problem: &CalibrationProblem<'_>, positions: &[usize], c: &[f64]) -> Result<Vec<Pose>, IdentifyError> {
+    let data = problem.data();
+    let query = |k: &usize| {
+        let sample = data.sample(*k);
+        ForwardQuery::new(&sample.joints, &sample.conditions, problem.poses()[*k])
+    };
+    let queries: Vec<ForwardQuery<'_>> = positions.iter().map(query).collect();
+    let found = problem.mechanism().forward_batch(c, &queries);
+    found.into_iter().zip(positions).map(|(pose, k)| pose.map_err(|cause| sample_error(data, *k, cause))).collect()
 }

@@ -12,3 +12,4 @@ pub(crate) mod samples;
 pub(crate) mod verdict;
 pub(crate) mod warnings;
 pub(crate) mod weak_directions;
+pub(crate) mod worth;

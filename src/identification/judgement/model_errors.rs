@@ -2,9 +2,10 @@
 
 use crate::identification::error::IdentifyError;
 use crate::identification::judgement::deviations::Deviation;
-use crate::identification::judgement::samples::each_sample;
-use crate::measurement::{DataRow, Dataset, RowKind};
+use crate::identification::judgement::samples::{each_sample, each_sample_at};
+use crate::measurement::{DataRow, Dataset, RowKind, Rows};
 use crate::mechanism::Mechanism;
+use crate::pose::Pose;
 
 /// Error of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,9 +87,16 @@ impl ModelErrors {
 /// # Errors
 /// [`IdentifyError::Sample`] if a sample has no pose.
 pub fn evaluate(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Result<ModelErrors, IdentifyError> {
-    let samples = each_sample(mechanism, own, data, |k, _, rows| {
-        let readings: Vec<(RowKind, f64)> = data.rows(k).into_iter().zip(rows.residual.iter().copied()).collect();
-        SampleError::of(data.sample(k).row, &readings)
-    })?;
+    let samples = each_sample(mechanism, own, data, |k, _, rows| sample_error(data, k, rows))?;
     Ok(ModelErrors { samples })
+}
+
+/// As [`evaluate`], where the model puts the samples at these poses.
+pub(crate) fn errors_at(poses: &[Pose], own: &[f64], data: &Dataset) -> ModelErrors {
+    ModelErrors { samples: each_sample_at(poses, own, data, |k, _, rows| sample_error(data, k, rows)) }
+}
+
+fn sample_error(data: &Dataset, k: usize, rows: &Rows) -> SampleError {
+    let readings: Vec<(RowKind, f64)> = data.rows(k).into_iter().zip(rows.residual.iter().copied()).collect();
+    SampleError::of(data.sample(k).row, &readings)
 }

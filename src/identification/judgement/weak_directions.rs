@@ -1,36 +1,11 @@
 //! Directions that the data do not determine, described in words.
-//!
-//! The whitened Jacobian of the data, with each column multiplied by the tolerance of its parameter and the
-//! measurement's own parameters projected out, has one singular value for each direction of the parameters:
-//! the tolerance along it over the σ that the data alone give. Ten means that the data know the direction to a
-//! tenth of the tolerance ([`DECIDED`]); one that they know no more than the workshop.
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::identification::error::IdentifyError;
-use crate::identification::problem::calibration_problem::CalibrationProblem;
-use crate::identification::task::{Task, Weights};
+use crate::identification::problem::spectrum::{DataSpectrum, UNSEEN};
 use crate::mechanism::{Body, Mechanism, ParameterRole, rigid_directions};
-use crate::observability::{DECIDED, Spectrum};
-use crate::solve::linearized;
+use crate::observability::DECIDED;
 use crate::units::Dimension;
-
-/// Singular values and directions of the data alone.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct DataSpectrum {
-    /// Singular values in descending order, one for each parameter of the mechanism.
-    pub values: Vec<f64>,
-    /// Directions as columns, in parameters divided by their tolerance.
-    pub directions: DMatrix<f64>,
-    /// Tolerance of each parameter, SI; 1e-3 stands in where none is stated.
-    pub scale: Vec<f64>,
-    /// True if every parameter has a tolerance.
-    pub scaled_by_tolerance: bool,
-}
-
-/// Rows that see a direction by less than this part of the strongest do not see it.
-const UNSEEN: f64 = 1e-9;
 
 /// A direction of the parameters that the data do not decide.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,57 +15,6 @@ pub struct WeakDirection {
     pub sigma: f64,
     /// Description in words.
     pub text: String,
-}
-
-impl DataSpectrum {
-    /// At the values of the mechanism, for σ of the readings times `noise_scale`.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] if the rows have no value there.
-    pub fn at_start(task: &Task<'_>, noise_scale: f64) -> Result<Self, IdentifyError> {
-        let task = Task { weights: Weights::Noise, ..*task };
-        let mut problem = CalibrationProblem::new(&task, None, noise_scale)?;
-        let start = problem.start();
-        let (_, j) = linearized(&mut problem, &start)?;
-        Ok(Self::of(task.mechanism, &j))
-    }
-
-    /// Of a whitened Jacobian of finite numbers whose first columns belong to the mechanism and whose others are
-    /// projected out.
-    pub fn of(mechanism: &dyn Mechanism, jacobian: &DMatrix<f64>) -> Self {
-        let specs = mechanism.parameters();
-        let n = specs.len();
-        let scale: Vec<f64> = specs.iter().map(|s| s.tolerance.unwrap_or(1e-3)).collect();
-        let mut part = jacobian.columns(0, n).into_owned();
-        let own = jacobian.ncols() - n;
-        if own > 0 {
-            let mut columns = jacobian.columns(n, own).into_owned();
-            columns.column_iter_mut().for_each(|mut c| c.unscale_mut(c.amax().max(f64::MIN_POSITIVE)));
-            let q = columns.qr().q();
-            part -= &q * (q.transpose() * &part);
-        }
-        for (k, s) in scale.iter().enumerate() {
-            part.column_mut(k).scale_mut(*s);
-        }
-        let Spectrum { values, directions, .. } = Spectrum::of(&part, 0, true);
-        Self { values, directions, scaled_by_tolerance: specs.iter().all(|s| s.tolerance.is_some()), scale }
-    }
-
-    /// Directions (columns, in parameters over their scale) of which the rows say nothing; `None` if there are
-    /// none.
-    pub fn unseen(&self) -> Option<DMatrix<f64>> {
-        let largest = self.values.iter().copied().fold(0.0, f64::max);
-        let columns: Vec<DVector<f64>> = (0..self.values.len())
-            .filter(|k| self.values[*k] < UNSEEN * largest)
-            .map(|k| self.directions.column(k).into_owned())
-            .collect();
-        (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
-    }
-
-    /// The smallest singular value.
-    pub fn smallest(&self) -> f64 {
-        self.values.iter().copied().fold(f64::INFINITY, f64::min)
-    }
 }
 
 /// The directions that the data do not decide, weakest first, in words.

@@ -2,154 +2,202 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX};
+use nalgebra::{DMatrix, DVector};
 
 use crate::identification::error::IdentifyError;
-use crate::identification::problem::prior::Prior;
+use crate::identification::problem::prepared::{Preparation, Prepared};
+use crate::identification::problem::prior::{FrameConvention, Prior, PriorPolicy};
 use crate::identification::problem::redundancy::Redundancy;
-use crate::identification::problem::whitening::Whitening;
+use crate::identification::problem::spectrum::ScaledRows;
+use crate::identification::problem::start::{or_from_readings, own_start, poses_from_home};
 use crate::identification::task::{Task, Weights};
 use crate::measurement::{Dataset, RowKind, Rows};
-use crate::mechanism::{KinematicsError, Mechanism, MotionBlock};
+use crate::mechanism::{Mechanism, MotionBlock, ParameterSpec};
 use crate::pose::Pose;
-use crate::solve::{EvaluationError, LeastSquaresProblem};
+use crate::solve::{Triangle, linearized};
 
 /// Whitened residual `W(ŷ(x) - y)` of a dataset, with prior rows `(x - x₀)/σ₀` below it.
 ///
 /// Unknowns: the parameters of the mechanism, then those of the measurement. Forward kinematics of each sample
-/// starts where it ended the time before.
+/// starts where it ended the time before, and is left out where the parameters of the mechanism are those of that time.
 pub struct CalibrationProblem<'a> {
-    mechanism: &'a dyn Mechanism,
-    data: &'a Dataset,
-    prior: Option<Prior>,
-    /// Covariance of each reading (k × k), joints included, for the noise as stated.
-    covariances: Vec<DMatrix<f64>>,
-    whitening: Vec<Whitening>,
+    pub(super) mechanism: &'a dyn Mechanism,
+    pub(super) data: Dataset,
+    policy: PriorPolicy,
+    pub(super) weights: Weights,
+    convention: FrameConvention,
+    pub(super) samples: Arc<[Prepared]>,
+    /// Which of the prepared samples take part.
+    pub(super) kept: Vec<usize>,
+    pub(super) prior: Option<Prior>,
+    /// σ of the readings over the stated one.
+    noise_scale: f64,
     /// Square root of the weight of each sample; one but for robust fits.
-    sample_weights: Vec<f64>,
+    pub(super) sample_weights: Vec<f64>,
     /// Rows that more than six closure equations add to each sample.
-    redundancy: Option<Redundancy>,
-    poses: Vec<Pose>,
-    /// Poses at the start.
-    first_poses: Vec<Pose>,
-    kinds: Vec<Vec<RowKind>>,
+    pub(super) redundancy: Option<Redundancy>,
+    pub(super) poses: Vec<Pose>,
+    /// The parameters of the mechanism that these poses belong to.
+    pub(super) solved_at: Option<Vec<f64>>,
     start: DVector<f64>,
-    block: MotionBlock,
+    guess: DVector<f64>,
+    /// What the data say at the start, once it was asked for.
+    at_start: Option<ScaledRows>,
+    pub(super) block: MotionBlock,
     /// Readings of the sample at hand; their number rarely changes from one sample to the next.
-    rows: Rows,
+    pub(super) rows: Rows,
 }
 
 impl<'a> CalibrationProblem<'a> {
-    /// The problem of a task with this prior; `noise_scale` multiplies every σ of the readings.
+    /// The problem of a task, for the noise as stated and without a prior.
     ///
     /// # Errors
     /// [`IdentifyError`] if a sample has no pose at the start or its noise is not positive.
-    pub fn new(task: &Task<'a>, prior: Option<Prior>, noise_scale: f64) -> Result<Self, IdentifyError> {
-        let (mechanism, data) = (task.mechanism, task.data);
+    pub fn new(task: &Task<'a>) -> Result<Self, IdentifyError> {
+        Self::from_poses(task.mechanism, task, poses_from_home(task.mechanism, task.data))
+    }
+
+    /// The problem of a task for a mechanism whose samples have these poses at the start.
+    pub(crate) fn from_poses(
+        mechanism: &'a dyn Mechanism,
+        task: &Task<'_>,
+        from_home: Vec<Result<Pose, IdentifyError>>,
+    ) -> Result<Self, IdentifyError> {
+        let data = task.data;
         if data.is_empty() {
             return Err(IdentifyError::Empty);
         }
-        let own = data.model().nuisance_parameters().len();
-        let redundancy = Redundancy::of(mechanism, data.noise.joint);
-        // Closure residuals are lengths.
-        let extra = vec![RowKind::Position; redundancy.as_ref().map_or(0, Redundancy::rows)];
-        let kinds: Vec<Vec<RowKind>> = (0..data.len()).map(|k| [data.rows(k), extra.clone()].concat()).collect();
-        let (specs, c) = (mechanism.parameters().len(), mechanism.values());
-        let mut problem = Self {
+        let poses = or_from_readings(from_home, mechanism, data)?;
+        let expected = data.model().nuisance_parameters().len();
+        let own = if expected > 0 { own_start(data, &poses) } else { Vec::new() };
+        if own.len() != expected || own.iter().any(|v| !v.is_finite()) {
+            return Err(IdentifyError::Start { expected, found: own.len() });
+        }
+        let c = mechanism.values();
+        let start = DVector::from_iterator(c.len() + expected, c.iter().chain(&own).copied());
+        let mut redundancy = Redundancy::of(mechanism, data.noise.joint);
+        let (own, weights) = (own.as_slice(), task.weights);
+        let samples = Preparation { mechanism, data, own, weights, redundancy: redundancy.as_mut() }.samples(&poses)?;
+        Ok(Self {
             mechanism,
-            data,
-            prior,
-            covariances: Vec::new(),
-            whitening: Vec::new(),
-            sample_weights: vec![1.0; data.len()],
-            poses: Vec::new(),
-            first_poses: Vec::new(),
-            start: DVector::from_column_slice(c),
-            block: MotionBlock::sized_for(mechanism),
-            rows: Rows::sized(kinds[0].len() - extra.len(), own),
+            data: data.clone(),
+            policy: task.prior,
+            weights,
+            convention: task.convention,
+            kept: (0..samples.len()).collect(),
+            prior: None,
+            noise_scale: 1.0,
+            sample_weights: vec![1.0; samples.len()],
+            rows: Rows::sized(data.rows(0).len(), expected),
+            samples: samples.into(),
             redundancy,
-            kinds,
-        };
-        problem.poses = start_poses(mechanism, data)?;
-        problem.first_poses.clone_from(&problem.poses);
-        if own > 0 {
-            let found = own_start(data, &problem.poses);
-            if found.len() != own || found.iter().any(|v| !v.is_finite()) {
-                return Err(IdentifyError::Start { expected: own, found: found.len() });
-            }
-            problem.start = DVector::from_iterator(specs + own, c.iter().chain(&found).copied());
-        }
-        for k in 0..data.len() {
-            let covariance = problem.covariance_of(k)?;
-            let whitening = problem.whitening_of(k, &covariance, task.weights, noise_scale)?;
-            problem.covariances.push(covariance);
-            problem.whitening.push(whitening);
-        }
-        Ok(problem)
+            poses,
+            solved_at: Some(c.to_vec()),
+            guess: start.clone(),
+            start,
+            at_start: None,
+            block: MotionBlock::sized_for(mechanism),
+        })
     }
 
-    fn covariance_of(&mut self, k: usize) -> Result<DMatrix<f64>, IdentifyError> {
-        let mut covariance = self.data.covariance(k);
-        let joint = self.data.noise.joint;
-        if joint > 0.0 {
-            // The closure residual has covariance J1 Σq J1ᵀ + Jj Σj Jjᵀ; seen from the reading the second term
-            // is H (J1⁻¹ Jj) Σj (J1⁻¹ Jj)ᵀ Hᵀ.
-            self.evaluate_sample(k, &self.start.clone()).map_err(|cause| sample_error(self.data, k, cause))?;
-            let mut seen = &self.rows.motion * &self.block.joints;
-            if let Some(extra) = &self.redundancy {
-                let (k, e) = (seen.nrows(), extra.rows());
-                covariance = covariance.resize(k + e, k + e, 0.0);
-                seen = seen.insert_rows(k, e, 0.0);
-                seen.rows_mut(k, e).copy_from(&extra.joints);
-            }
-            covariance += &seen * seen.transpose() * (joint * joint);
+    /// The problem of some of its samples, without a prior and with the noise as stated. It starts at the same values, and
+    /// its iterations begin where `guess` says.
+    pub(crate) fn subset(&self, positions: &[usize], guess: &DVector<f64>) -> Self {
+        let kept: Vec<usize> = positions.iter().map(|k| self.kept[*k]).collect();
+        Self {
+            mechanism: self.mechanism,
+            data: self.data.subset(positions),
+            policy: self.policy,
+            weights: self.weights,
+            convention: self.convention,
+            samples: Arc::clone(&self.samples),
+            prior: None,
+            noise_scale: 1.0,
+            sample_weights: vec![1.0; kept.len()],
+            redundancy: self.redundancy.clone(),
+            poses: positions.iter().map(|k| self.poses[*k]).collect(),
+            solved_at: self.solved_at.clone(),
+            start: self.start.clone(),
+            guess: guess.clone(),
+            at_start: None,
+            block: self.block.clone(),
+            rows: self.rows.clone(),
+            kept,
         }
-        Ok(covariance)
     }
 
-    fn whitening_of(
-        &self,
-        k: usize,
-        covariance: &DMatrix<f64>,
-        weights: Weights,
-        noise_scale: f64,
-    ) -> Result<Whitening, IdentifyError> {
-        let kinds = &self.kinds[k];
-        if weights == Weights::MillimetresAndRadians {
-            let unit = kinds.iter().map(|kind| if *kind == RowKind::Position { 1e3 } else { 1.0 });
-            return Ok(Whitening::Diagonal(DVector::from_iterator(kinds.len(), unit)));
-        }
-        let row = self.data.sample(k).row;
-        Whitening::of(covariance, noise_scale).ok_or(IdentifyError::Covariance { row })
+    /// With another convention about the frames.
+    #[must_use]
+    pub(crate) fn with_convention(mut self, convention: FrameConvention) -> Self {
+        self.convention = convention;
+        self
     }
 
-    /// `Σₖ Aₖ Σₖ Aₖᵀ`: covariance of `A r` for the whitened residual `r`, with the columns of `a` in the
-    /// order of the rows. Rows of a prior have unit covariance.
-    pub fn covariance_through(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut sum = DMatrix::zeros(a.nrows(), a.nrows());
-        let mut next = 0;
-        for (k, (first, n)) in self.sample_rows().into_iter().enumerate() {
-            let part = a.columns(first, n) * self.whitening[k].to_matrix() * self.sample_weights[k];
-            sum += &part * &self.covariances[k] * part.transpose();
-            next = first + n;
-        }
-        let rest = a.columns(next, a.ncols() - next);
-        sum + rest * rest.transpose()
+    /// With a prior, or without.
+    #[must_use]
+    pub fn with_prior(mut self, prior: Option<Prior>) -> Self {
+        self.prior = prior;
+        self
     }
 
-    /// Where the iteration starts: the values of the mechanism, then those of the measurement.
+    /// Multiplies every σ of the readings, as they are stated, by `scale`.
+    pub fn scale_noise(&mut self, scale: f64) {
+        self.noise_scale = scale;
+    }
+
+    /// Multiplies the rows of each sample by the square root of its weight.
+    pub fn weigh_samples(&mut self, weights: &[f64]) {
+        self.sample_weights = weights.iter().map(|w| w.sqrt()).collect();
+    }
+
+    /// Where the parameters start: the values of the mechanism, then those of the measurement.
     pub fn start(&self) -> DVector<f64> {
         self.start.clone()
     }
 
+    /// Where an iteration had best begin: at the start, or near a minimum that is known.
+    pub fn guess(&self) -> DVector<f64> {
+        self.guess.clone()
+    }
+
+    /// Lets the next iteration begin here.
+    pub fn begin_at(&mut self, guess: DVector<f64>) {
+        self.guess = guess;
+    }
+
+    /// The mechanism; its values are the start and the centre of a prior.
+    pub fn mechanism(&self) -> &'a dyn Mechanism {
+        self.mechanism
+    }
+
+    /// The samples.
+    pub fn data(&self) -> &Dataset {
+        &self.data
+    }
+
+    /// How rows are weighted.
+    pub fn weights(&self) -> Weights {
+        self.weights
+    }
+
+    /// σ of the readings over the stated one, for which the rows have unit variance.
+    pub fn noise_scale(&self) -> f64 {
+        self.noise_scale
+    }
+
     /// Data rows, without those of the prior.
     pub fn data_rows(&self) -> usize {
-        self.kinds.iter().map(Vec::len).sum()
+        self.prepared().map(|s| s.kinds.len()).sum()
     }
 
     /// Number of parameters of the mechanism.
     pub fn mechanism_parameters(&self) -> usize {
         self.mechanism.parameters().len()
+    }
+
+    /// Specifications of all unknowns.
+    pub fn parameters(&self) -> impl Iterator<Item = &ParameterSpec> {
+        self.mechanism.parameters().iter().chain(self.data.model().nuisance_parameters())
     }
 
     /// The prior, if there is one.
@@ -160,41 +208,52 @@ impl<'a> CalibrationProblem<'a> {
     /// First data row of each sample, and the number of its rows.
     pub fn sample_rows(&self) -> Vec<(usize, usize)> {
         let mut first = 0;
-        let next = |kinds: &Vec<RowKind>| {
-            let range = (first, kinds.len());
-            first += kinds.len();
+        let next = |sample: &Prepared| {
+            let range = (first, sample.kinds.len());
+            first += sample.kinds.len();
             range
         };
-        self.kinds.iter().map(next).collect()
+        self.prepared().map(next).collect()
     }
 
     /// Kind of each data row.
     pub fn row_kinds(&self) -> Vec<RowKind> {
-        self.kinds.iter().flatten().copied().collect()
+        self.prepared().flat_map(|s| s.kinds.iter().copied()).collect()
     }
 
     /// For each sample the matrix (k × k) that turns whitened rows back into SI.
     pub fn unwhitening(&self) -> Vec<DMatrix<f64>> {
-        let back = |w: &Whitening| match w {
-            Whitening::Diagonal(factors) => DMatrix::from_diagonal(&factors.map(|f| 1.0 / f)),
-            // Lower triangular with a positive diagonal.
-            Whitening::Lower(w) => w
-                .solve_lower_triangular(&DMatrix::identity(w.nrows(), w.nrows()))
-                .unwrap_or_else(|| DMatrix::zeros(w.nrows(), w.nrows())),
-        };
-        self.whitening.iter().map(back).collect()
+        let factor = 1.0 / self.row_factor();
+        self.prepared().map(|s| s.whitening.inverse() * factor).collect()
     }
 
-    /// Multiplies the rows of each sample by the square root of its weight.
-    pub fn weigh_samples(&mut self, weights: &[f64]) {
-        self.sample_weights = weights.iter().map(|w| w.sqrt()).collect();
-    }
-
-    /// Forward kinematics of the next evaluation starts at these poses, one for each sample.
-    pub fn start_from(&mut self, poses: impl IntoIterator<Item = Pose>) {
-        for (pose, start) in self.poses.iter_mut().zip(poses) {
-            *pose = start;
+    /// `Σₖ Aₖ Σₖ Aₖᵀ`: covariance of `A r` for the whitened residual `r` and the noise as stated, with the columns of `a`
+    /// in the order of the rows. Rows of a prior have unit covariance.
+    pub fn covariance_through(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(a.nrows(), a.nrows());
+        let mut next = 0;
+        for ((first, n), (sample, weight)) in
+            self.sample_rows().into_iter().zip(self.prepared().zip(&self.sample_weights))
+        {
+            let part = a.columns(first, n) * sample.whitening.to_matrix() * (*weight * self.row_factor());
+            sum += &part * &sample.covariance * part.transpose();
+            next = first + n;
         }
+        let rest = a.columns(next, a.ncols() - next);
+        sum + rest * rest.transpose()
+    }
+
+    /// What every row is multiplied by in addition to its whitening, which is that of the noise as stated.
+    pub(super) fn row_factor(&self) -> f64 {
+        match self.weights {
+            Weights::Noise => 1.0 / self.noise_scale,
+            Weights::MillimetresAndRadians => 1.0,
+        }
+    }
+
+    /// The samples that take part.
+    pub(super) fn prepared(&self) -> impl Iterator<Item = &Prepared> {
+        self.kept.iter().map(|k| &self.samples[*k])
     }
 
     /// Poses that the last evaluation predicted.
@@ -202,128 +261,98 @@ impl<'a> CalibrationProblem<'a> {
         &self.poses
     }
 
-    fn evaluate_sample(&mut self, k: usize, x: &DVector<f64>) -> Result<(), KinematicsError> {
-        let (c, own) = x.as_slice().split_at(self.mechanism.parameters().len());
-        let sample = self.data.sample(k);
-        let forward = |seed: &Pose| self.mechanism.forward(c, &sample.joints, &sample.conditions, seed);
-        // The pose of the time before may be that of a trial that was given up.
-        let pose = forward(&self.poses[k]).or_else(|cause| forward(&self.first_poses[k]).map_err(|_| cause))?;
-        self.poses[k] = pose;
-        self.mechanism.motion_block(c, &sample.joints, &pose, &sample.conditions, &mut self.block)?;
-        let n = self.kinds[k].len() - self.redundancy.as_ref().map_or(0, Redundancy::rows);
-        if self.rows.residual.len() != n {
-            self.rows = Rows::sized(n, own.len());
+    /// The same samples with rows weighted by the noise as stated, and no prior.
+    fn by_noise(&self) -> Result<Self, IdentifyError> {
+        if self.weights == Weights::Noise {
+            let all: Vec<usize> = (0..self.kept.len()).collect();
+            return Ok(self.subset(&all, &self.guess));
         }
-        self.rows.clear();
-        self.data.evaluate(k, &pose, own, &mut self.rows);
-        if let Some(extra) = &mut self.redundancy {
-            extra.evaluate(self.mechanism, c, k, sample, &pose);
+        let (mechanism, data, prior, convention) = (self.mechanism, &self.data, self.policy, self.convention);
+        let task = Task { mechanism, data, prior, weights: Weights::Noise, convention };
+        let mut plain = Self::from_poses(mechanism, &task, self.prepared().map(|s| Ok(s.pose)).collect())?;
+        plain.start.clone_from(&self.start);
+        plain.poses.clone_from(&self.poses);
+        plain.solved_at.clone_from(&self.solved_at);
+        Ok(plain)
+    }
+
+    /// Weights rows by the noise from now on, whatever the task said.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Covariance`] if the noise of a sample is not positive.
+    pub fn weigh_by_noise(&mut self) -> Result<(), IdentifyError> {
+        if self.weights != Weights::Noise {
+            *self = self.by_noise()?;
         }
         Ok(())
     }
-}
 
-/// Residual and all derivatives of a sample (columns) of a redundant mechanism: rows of the reading, then those of the
-/// closure.
-fn stacked_with(rows: &Rows, block: &Matrix6xX<f64>, extra: &Redundancy) -> DMatrix<f64> {
-    let (k, e) = (rows.residual.len(), extra.rows());
-    let (specs, own) = (block.ncols(), rows.own.ncols());
-    let mut all = DMatrix::zeros(k + e, 1 + specs + own);
-    all.view_mut((0, 0), (k, 1)).copy_from(&rows.residual);
-    all.view_mut((0, 1), (k, specs)).copy_from(&(&rows.motion * block));
-    all.view_mut((0, 1 + specs), (k, own)).copy_from(&rows.own);
-    all.view_mut((k, 0), (e, 1)).copy_from(&extra.residual);
-    all.view_mut((k, 1), (e, specs)).copy_from(&extra.parameters);
-    all
-}
-
-/// Forward kinematics of each sample at the mechanism's values, from home or, if that fails, from the reading.
-fn start_poses(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Vec<Pose>, IdentifyError> {
-    let solve = |k: usize| {
-        pose_from_home(mechanism, data, k).or_else(|error| {
-            let (sample, (model, index)) = (data.sample(k), data.reading(k));
-            let seed = model.rigid_pose(index).map(|p| data.frames.platform(&p)).ok_or_else(|| error.clone())?;
-            mechanism.forward(mechanism.values(), &sample.joints, &sample.conditions, &seed).map_err(|_| error)
-        })
-    };
-    (0..data.len()).map(solve).collect()
-}
-
-/// Forward kinematics of the `k`-th sample at the mechanism's values, from home.
-pub(crate) fn pose_from_home(mechanism: &dyn Mechanism, data: &Dataset, k: usize) -> Result<Pose, IdentifyError> {
-    let sample = data.sample(k);
-    mechanism
-        .forward(mechanism.values(), &sample.joints, &sample.conditions, &mechanism.home())
-        .map_err(|cause| sample_error(data, k, cause))
-}
-
-/// Start values of the measurement's own parameters, for the poses of the samples of `data`.
-pub(crate) fn own_start(data: &Dataset, poses: &[Pose]) -> Vec<f64> {
-    let mut all = vec![None; data.model().samples()];
-    for (k, pose) in poses.iter().enumerate() {
-        all[data.reading(k).1] = Some(*pose);
-    }
-    data.model().start(&all, &data.frames)
-}
-
-fn sample_error(data: &Dataset, k: usize, cause: KinematicsError) -> IdentifyError {
-    let sample = data.sample(k);
-    let label = sample.id.as_ref().map_or(String::new(), |id| format!(" ({id})"));
-    IdentifyError::Sample { row: sample.row, label, cause }
-}
-
-impl LeastSquaresProblem for CalibrationProblem<'_> {
-    fn shape(&self) -> (usize, usize) {
-        let prior = self.prior.as_ref().map_or(0, Prior::rows);
-        (self.data_rows() + prior, self.start.len())
+    /// Residual and Jacobian of the data alone at `x`, weighted by the noise as stated.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if the rows have no value there.
+    pub fn data_at(&self, x: &DVector<f64>) -> Result<(DVector<f64>, DMatrix<f64>), IdentifyError> {
+        Ok(linearized(&mut self.by_noise()?, x)?)
     }
 
-    fn linearize(
-        &mut self,
-        x: &DVector<f64>,
-        residual: &mut DVector<f64>,
-        jacobian: &mut DMatrix<f64>,
-    ) -> Result<(), EvaluationError> {
-        let specs = self.mechanism_parameters();
-        let own = x.len() - specs;
-        let mut first = 0;
-        for k in 0..self.data.len() {
-            self.evaluate_sample(k, x)
-                .map_err(|cause| -> EvaluationError { Arc::new(sample_error(self.data, k, cause)) })?;
-            let n = self.kinds[k].len();
-            if n == 0 {
-                continue;
-            }
-            if let Some(extra) = &self.redundancy {
-                let all = stacked_with(&self.rows, &self.block.parameters, extra);
-                let white = self.whitening[k].to_matrix() * all * self.sample_weights[k];
-                residual.rows_mut(first, n).copy_from(&white.column(0));
-                jacobian.view_mut((first, 0), (n, specs + own)).copy_from(&white.columns(1, specs + own));
-                first += n;
-                continue;
-            }
-            // W H J_b with the small product first.
-            self.whitening[k].apply(self.sample_weights[k], &mut self.rows);
-            let (rows, block) = (&self.rows, &self.block.parameters);
-            let mut out = jacobian.view_mut((first, 0), (n, specs));
-            if n == 6 {
-                // Full poses, the usual case, with a static size: a general product packs its factors first.
-                let wh: Matrix6<f64> = rows.motion.fixed_view::<6, 6>(0, 0).into_owned();
-                for (mut to, column) in out.column_iter_mut().zip(block.column_iter()) {
-                    to.copy_from(&(wh * column));
-                }
-            } else {
-                out.gemm(1.0, &rows.motion, block, 0.0);
-            }
-            if own > 0 {
-                jacobian.view_mut((first, specs), (n, own)).copy_from(&rows.own);
-            }
-            residual.rows_mut(first, n).copy_from(&rows.residual);
-            first += n;
+    /// Residual and Jacobian at `x` of all rows as they are.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if the rows have no value there.
+    pub(crate) fn all_at(&self, x: &DVector<f64>) -> Result<(DVector<f64>, DMatrix<f64>), IdentifyError> {
+        let all: Vec<usize> = (0..self.kept.len()).collect();
+        let mut same = self.subset(&all, &self.guess).with_prior(self.prior.clone());
+        same.noise_scale = self.noise_scale;
+        same.sample_weights.clone_from(&self.sample_weights);
+        Ok(linearized(&mut same, x)?)
+    }
+
+    /// What the data say of each direction of the parameters at the start.
+    ///
+    /// # Errors
+    /// [`IdentifyError`] if the rows have no value there.
+    pub(crate) fn at_start(&mut self) -> Result<&ScaledRows, IdentifyError> {
+        if self.at_start.is_none() {
+            let mut plain = self.by_noise()?;
+            plain.poses = self.prepared().map(|s| s.pose).collect();
+            plain.solved_at = Some(self.mechanism.values().to_vec());
+            let (r, j) = linearized(&mut plain, &self.start)?;
+            self.at_start = Some(ScaledRows::of(self.mechanism, &Triangle::of(&j, &r).jacobian()));
         }
-        if let Some(prior) = &self.prior {
-            prior.write(x, first, residual, jacobian);
+        // It was made just above.
+        self.at_start.as_ref().ok_or(IdentifyError::Empty)
+    }
+
+    /// Takes the prior that the task asks for, where σ of the readings is `noise_scale` times the stated one: with
+    /// [`PriorPolicy::Auto`] the tolerances, unless the data decide every direction.
+    ///
+    /// # Errors
+    /// [`IdentifyError::TooFewRows`] if the data alone cannot determine the parameters and there is no prior.
+    pub fn choose_prior(&mut self, noise_scale: f64) -> Result<(), IdentifyError> {
+        if self.data.row_count() == 0 {
+            return Err(IdentifyError::Empty);
         }
+        let unweighted = self.weights == Weights::MillimetresAndRadians;
+        let tolerances = |p: &Self| Prior::from_tolerance(p.mechanism, p.convention);
+        let policy = self.policy;
+        let asked = match policy {
+            PriorPolicy::Tolerance if unweighted => return Err(IdentifyError::PriorWithoutWeights),
+            PriorPolicy::Tolerance => Some(tolerances(self)?),
+            PriorPolicy::Auto if unweighted || self.at_start()?.decided(noise_scale) => None,
+            PriorPolicy::Auto => tolerances(self).ok(),
+            PriorPolicy::None => None,
+        };
+        if asked.is_some() {
+            self.prior = asked;
+            return Ok(());
+        }
+        let (rows, samples, unknowns) = (self.data.row_count(), self.data.len(), self.start.len());
+        if rows < unknowns {
+            let per_sample = rows.div_ceil(samples).max(1);
+            return Err(IdentifyError::TooFewRows { rows, samples, unknowns, needed: unknowns.div_ceil(per_sample) });
+        }
+        let mechanism = self.mechanism;
+        self.prior = self.at_start()?.unseen().map(|(scale, directions)| Prior::holding(mechanism, scale, &directions));
         Ok(())
     }
 }

@@ -2,6 +2,10 @@
 //! the noise, tolerances as a prior.
 
 pub(crate) mod calibration_problem;
+pub(crate) mod prepared;
 pub(crate) mod prior;
 pub(crate) mod redundancy;
+mod rows;
+pub(crate) mod spectrum;
+pub(crate) mod start;
 pub(crate) mod whitening;

@@ -18,10 +18,9 @@ use crate::solve::{singular_values, svd};
 /// A combination that joints enter by less than this part of their largest effect is structural.
 const SEEN: f64 = 1e-9;
 
-/// The remaining combinations of each sample.
+/// The remaining combinations of a sample.
+#[derive(Clone)]
 pub(crate) struct Redundancy {
-    /// `N` (m × rows) of each sample at the start.
-    bases: Vec<DMatrix<f64>>,
     work: Linearization,
     /// `Nᵀ f` of the last evaluation.
     pub(crate) residual: DVector<f64>,
@@ -47,7 +46,6 @@ impl Redundancy {
             return None;
         }
         Some(Self {
-            bases: Vec::new(),
             work,
             residual: DVector::zeros(extra),
             parameters: DMatrix::zeros(extra, mechanism.parameters().len()),
@@ -60,21 +58,28 @@ impl Redundancy {
         self.residual.len()
     }
 
-    /// Evaluates the rows of the `k`-th sample at its pose. Samples are first evaluated in order.
-    pub(crate) fn evaluate(&mut self, mechanism: &dyn Mechanism, c: &[f64], k: usize, sample: &Sample, pose: &Pose) {
-        mechanism.linearize(c, &sample.joints, pose, &sample.conditions, &mut self.work);
-        if self.bases.len() == k {
-            let n = complement(&self.work.motion);
-            // Of these the combinations that joints enter most.
-            let svd = svd(n.tr_mul(&self.work.joints), true, false);
-            self.bases.push(match svd.u {
-                Some(u) => n * u.columns(0, self.rows()),
-                None => n.columns(0, self.rows()).into_owned(),
-            });
+    /// The combinations `N` (m × rows) that are rows of a sample, at its pose at the start: those that joints enter most.
+    pub(crate) fn combinations(&mut self, mechanism: &dyn Mechanism, sample: &Sample, pose: &Pose) -> DMatrix<f64> {
+        mechanism.linearize(mechanism.values(), &sample.joints, pose, &sample.conditions, &mut self.work);
+        let n = complement(&self.work.motion);
+        match svd(n.tr_mul(&self.work.joints), true, false).u {
+            Some(u) => n * u.columns(0, self.rows()),
+            None => n.columns(0, self.rows()).into_owned(),
         }
+    }
+
+    /// Evaluates the rows of a sample at its pose; `start` are its [`combinations`](Self::combinations).
+    pub(crate) fn evaluate(
+        &mut self,
+        mechanism: &dyn Mechanism,
+        c: &[f64],
+        start: &DMatrix<f64>,
+        sample: &Sample,
+        pose: &Pose,
+    ) {
+        mechanism.linearize(c, &sample.joints, pose, &sample.conditions, &mut self.work);
         let q = self.work.motion.clone().qr().q();
         // The directions of the start, projected: so that they mean the same from one iteration to the next.
-        let start = &self.bases[k];
         let n = start - &q * (q.transpose() * start);
         self.residual.copy_from(&n.tr_mul(&self.work.residual));
         self.parameters.copy_from(&n.tr_mul(&self.work.parameters));

@@ -13,16 +13,16 @@ pub(crate) enum Whitening {
 }
 
 impl Whitening {
-    /// For the covariance of a sample with every σ times `noise_scale`; `None` if it is not positive definite.
-    pub(crate) fn of(covariance: &DMatrix<f64>, noise_scale: f64) -> Option<Self> {
+    /// For the covariance of a sample; `None` if it is not positive definite.
+    pub(crate) fn of(covariance: &DMatrix<f64>) -> Option<Self> {
         let n = covariance.nrows();
         let independent = (0..n).all(|c| (0..n).all(|r| r == c || covariance[(r, c)] == 0.0));
         if independent {
             let variances = covariance.diagonal();
             let positive = variances.iter().all(|v| *v > 0.0);
-            return positive.then(|| Self::Diagonal(variances.map(|v| 1.0 / (v.sqrt() * noise_scale))));
+            return positive.then(|| Self::Diagonal(variances.map(|v| 1.0 / v.sqrt())));
         }
-        let lower = Cholesky::new(covariance.clone())?.unpack() * noise_scale;
+        let lower = Cholesky::new(covariance.clone())?.unpack();
         lower.solve_lower_triangular(&DMatrix::identity(n, n)).map(Self::Lower)
     }
 
@@ -51,6 +51,17 @@ impl Whitening {
         }
     }
 
+    /// `W⁻¹`, which turns white rows back into SI.
+    pub(crate) fn inverse(&self) -> DMatrix<f64> {
+        match self {
+            Self::Diagonal(factors) => DMatrix::from_diagonal(&factors.map(|f| 1.0 / f)),
+            // Lower triangular with a positive diagonal.
+            Self::Lower(w) => w
+                .solve_lower_triangular(&DMatrix::identity(w.nrows(), w.nrows()))
+                .unwrap_or_else(|| DMatrix::zeros(w.nrows(), w.nrows())),
+        }
+    }
+
     /// `W` in full.
     pub(crate) fn to_matrix(&self) -> DMatrix<f64> {
         match self {
@@ -68,9 +79,9 @@ mod tests {
     fn white_rows_have_unit_covariance() {
         let correlated = DMatrix::from_row_slice(3, 3, &[4.0, 1.0, 0.5, 1.0, 9.0, -2.0, 0.5, -2.0, 16.0]);
         for covariance in [correlated.clone(), DMatrix::from_diagonal(&correlated.diagonal())] {
-            let whitening = Whitening::of(&covariance, 2.0).unwrap();
+            let whitening = Whitening::of(&covariance).unwrap();
             let w = whitening.to_matrix();
-            assert!((&w * &covariance * w.transpose() * 4.0 - DMatrix::identity(3, 3)).amax() < 1e-15);
+            assert!((&w * &covariance * w.transpose() - DMatrix::identity(3, 3)).amax() < 1e-15);
             let mut rows = Rows::sized(3, 2);
             rows.motion = DMatrix::from_fn(3, 6, |i, j| (i * 6 + j) as f64);
             rows.own = DMatrix::from_fn(3, 2, |i, j| 1.0 - (i + j) as f64);
@@ -81,6 +92,6 @@ mod tests {
             assert!((rows.own - &w * raw.own * 0.5).amax() < 1e-15);
             assert!((rows.residual - &w * raw.residual * 0.5).amax() < 1e-15);
         }
-        assert!(Whitening::of(&DMatrix::zeros(2, 2), 1.0).is_none());
+        assert!(Whitening::of(&DMatrix::zeros(2, 2)).is_none());
     }
 }

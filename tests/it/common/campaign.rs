@@ -50,7 +50,7 @@ pub fn held_out_over_predicted(c: &Campaign, data: &Dataset, fitted: usize) -> f
     let (fit, rest) = (data.subset(&fit), data.subset(&rest));
     let found = LevenbergMarquardt::default().identify(&task(&fit)).unwrap();
     let x = DVector::from_iterator(found.parameters.len(), found.parameters.iter().map(|p| p.value));
-    let mut problem = CalibrationProblem::new(&task(&rest), None, 1.0).unwrap();
+    let mut problem = CalibrationProblem::new(&task(&rest)).unwrap();
     let (m, n) = problem.shape();
     let (mut r, mut j) = (DVector::zeros(m), DMatrix::zeros(m, n));
     problem.linearize(&x, &mut r, &mut j).unwrap();

@@ -12,6 +12,7 @@ pub mod planar;
 pub mod ranges;
 pub mod rotary;
 pub mod urdf_robots;
+pub mod wrapped;
 
 use paracal::files::{Machine, Measurement, read_measurement};
 use paracal::measurement::{Dataset, Noise};

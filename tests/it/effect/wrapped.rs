@@ -4,68 +4,16 @@ use std::sync::Arc;
 
 use crate::common;
 use crate::common::effects::{hexapod, read, state};
+use crate::common::wrapped::Wrapped;
 use paracal::conditions::Conditions;
 use paracal::diagnosis::Question;
 use paracal::effect::{effects_of, without_effects};
 use paracal::files::Machine;
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, PriorPolicy, calibrate, evaluate};
 use paracal::measurement::{DataRow, Dataset, Frames, Noise, PoseMeasurement, Sample};
-use paracal::mechanism::{
-    Extension, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
-};
 use paracal::pose::{Pose, PoseConvention};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
-
-/// Another mechanism under another name.
-#[derive(Debug)]
-struct Renamed(Box<dyn Mechanism>);
-
-impl Mechanism for Renamed {
-    fn name(&self) -> &str {
-        "renamed"
-    }
-    fn parameters(&self) -> &[ParameterSpec] {
-        self.0.parameters()
-    }
-    fn values(&self) -> &[f64] {
-        self.0.values()
-    }
-    fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        Ok(Box::new(Self(self.0.with_values(c, home)?)))
-    }
-    fn joints(&self) -> &[JointSpec] {
-        self.0.joints()
-    }
-    fn home(&self) -> Pose {
-        self.0.home()
-    }
-    fn equations(&self) -> usize {
-        self.0.equations()
-    }
-    fn extension(&self) -> Option<&dyn Extension> {
-        self.0.extension()
-    }
-    fn linearize(&self, c: &[f64], joints: &[f64], pose: &Pose, at: &Conditions, out: &mut Linearization) {
-        self.0.linearize(c, joints, pose, at, out);
-    }
-    fn inverse(&self, c: &[f64], pose: &Pose, at: &Conditions) -> Result<Vec<f64>, KinematicsError> {
-        self.0.inverse(c, pose, at)
-    }
-    fn forward(&self, c: &[f64], joints: &[f64], at: &Conditions, seed: &Pose) -> Result<Pose, KinematicsError> {
-        self.0.forward(c, joints, at, seed)
-    }
-    fn motion_block(
-        &self,
-        c: &[f64],
-        joints: &[f64],
-        pose: &Pose,
-        at: &Conditions,
-        out: &mut MotionBlock,
-    ) -> Result<(), KinematicsError> {
-        self.0.motion_block(c, joints, pose, at, out)
-    }
-}
 
 const SCALE: f64 = 8e-4;
 
@@ -78,7 +26,7 @@ fn renamed(mut machine: Machine) -> Machine {
     let plain = machine.plain();
     let copy = plain.with_values(plain.values(), plain.home()).unwrap();
     let inner = std::mem::replace(&mut machine.mechanism, copy);
-    machine.mechanism = Box::new(Renamed(inner));
+    machine.mechanism = Box::new(Wrapped::around(inner));
     machine
 }
 

@@ -4,3 +4,4 @@ mod deviations;
 mod frames;
 mod gross_errors;
 mod paper_case;
+mod work;

@@ -148,7 +148,7 @@ fn what_heights_do_not_see_is_what_the_documentation_says() {
         let contact = Contact { known, ..stated(true) };
         let model = Arc::new(PlaneContact::new(contact, heights(&c)));
         let data = Dataset::new(c.samples.clone(), model, Noise::stated(SIGMA, SIGMA));
-        let mut problem = CalibrationProblem::new(&Task::new(m, &data), None, 1.0).unwrap();
+        let mut problem = CalibrationProblem::new(&Task::new(m, &data)).unwrap();
         let (rows, n) = problem.shape();
         let (mut r, mut j) = (DVector::zeros(rows), DMatrix::zeros(rows, n));
         let mut x = problem.start();

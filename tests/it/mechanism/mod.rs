@@ -2,6 +2,7 @@
 
 #[cfg(feature = "conformance")]
 mod closures;
+mod forward_batch;
 mod forward_kinematics;
 #[cfg(feature = "conformance")]
 mod kinds;
