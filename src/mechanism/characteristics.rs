@@ -5,6 +5,7 @@ use nalgebra::{DVector, Matrix6, Vector3};
 use super::{GeometryError, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
+use crate::solve::inverse6;
 
 /// One of the two bodies that the legs join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,7 +113,7 @@ pub(super) fn check_held<M: Mechanism + ?Sized>(mechanism: &M, home_joints: &[f6
 /// [`KinematicsError::Singular`] where there is none.
 pub(super) fn inverse_motion(motion: &Matrix6<f64>) -> Result<Matrix6<f64>, KinematicsError> {
     let singular = |pivot_ratio| KinematicsError::Singular { pivot_ratio };
-    let inverse = motion.try_inverse().ok_or(singular(0.0))?;
+    let inverse = inverse6(motion).ok_or(singular(0.0))?;
     // The product of the two sizes bounds the condition; its inverse stands for the ratio of the pivots.
     let ratio = 1.0 / (inverse.norm() * motion.norm());
     if ratio > SINGULAR { Ok(inverse) } else { Err(singular(ratio)) }

@@ -21,15 +21,27 @@ pub struct PredictedError {
     pub rotation_max: f64,
 }
 
+/// Blocks whose products are taken together.
+const AT_A_TIME: usize = 50;
+
 impl PredictedError {
     /// For blocks (6 × L: motion of a point, small rotation, per parameter) at the poses, and the covariance (L × L) of
     /// the parameters: `J_b Cov J_bᵀ` at each.
     pub fn over(blocks: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> Self {
-        let variances = blocks.iter().map(|b| {
-            let spread = (b * covariance).component_mul(b).column_sum();
-            (spread.rows(0, 3).sum(), spread.rows(3, 3).sum())
-        });
-        let (position, rotation): (Vec<f64>, Vec<f64>) = variances.unzip();
+        let mut position = Vec::with_capacity(blocks.len());
+        let mut rotation = Vec::with_capacity(blocks.len());
+        // One product of large matrices is cheaper than many of small ones.
+        for blocks in blocks.chunks(AT_A_TIME) {
+            let mut rows = DMatrix::zeros(6 * blocks.len(), covariance.nrows());
+            for (k, block) in blocks.iter().enumerate() {
+                rows.rows_mut(6 * k, 6).copy_from(block);
+            }
+            let variance = (&rows * covariance).component_mul(&rows).column_sum();
+            for k in 0..blocks.len() {
+                position.push(variance.rows(6 * k, 3).sum());
+                rotation.push(variance.rows(6 * k + 3, 3).sum());
+            }
+        }
         let rms = |v: &[f64]| (v.iter().sum::<f64>() / v.len() as f64).sqrt();
         let max = |v: &[f64]| v.iter().copied().fold(0.0, f64::max).sqrt();
         Self {

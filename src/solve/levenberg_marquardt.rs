@@ -18,7 +18,7 @@ use super::{LeastSquaresOptions, LeastSquaresProblem};
 /// `max(1/3, 1 - (2ρ - 1)³)` after an accepted step and by 2, 4, 8, … after rejected ones (Nielsen 1999).
 /// With `initial_damping = 0` the first steps are plain Gauss–Newton until one fails. Convergence is only
 /// declared on the undamped step, so that a run that creeps under heavy damping does not pass for one that
-/// has arrived; the last step is computed by QR.
+/// has arrived; the last step is computed by QR wherever the normal equations would lose digits.
 ///
 /// Three things keep it from going astray or stopping early:
 /// - `D` remembers longer columns and forgets them slowly. A column that becomes short would otherwise free its
@@ -102,14 +102,16 @@ impl LevenbergMarquardt {
         step(0.0).or_else(|| step(ROUNDING_DAMPING))
     }
 
-    /// Converged if the undamped step is negligible; it is then taken if it helps.
+    /// Converged if the undamped step is negligible; it is then taken if it helps. `step` is a step with the damping of now.
     fn arrived(
         &mut self,
         problem: &mut impl LeastSquaresProblem,
         x: &mut DVector<f64>,
         columns: &DVector<f64>,
+        step: LinearStep,
     ) -> bool {
-        let Some(step) = self.undamped_step(columns) else { return false };
+        let last = if self.damping == 0.0 && step.precise { Some(step) } else { self.undamped_step(columns) };
+        let Some(step) = last else { return false };
         let reason = if step.moved <= self.options.gradient_tolerance * self.progress.residual.norm() {
             Convergence::SmallGradient
         } else if relative_size(columns, &step.delta, x) <= self.options.step_tolerance {
@@ -209,7 +211,7 @@ impl<O: LeastSquaresProblem> Solver<&mut O, State> for LevenbergMarquardt {
             let predicted = step.moved.powi(2) + 2.0 * self.damping * scale.component_mul(&step.delta).norm_squared();
             let size = relative_size(&columns, &step.delta, &x);
             let small = step.moved <= self.options.gradient_tolerance * norm || size <= self.options.step_tolerance;
-            if small && self.arrived(*problem, &mut x, &columns) {
+            if small && self.arrived(*problem, &mut x, &columns, step.clone()) {
                 state.cost = 0.5 * self.progress.residual.norm_squared();
                 state.param = Some(x);
                 return Ok((state.stop(TerminationReason::SolverConverged), None));

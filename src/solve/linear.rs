@@ -8,7 +8,7 @@ pub enum LinearMethod {
     /// Householder QR of the stacked `[J; √λ D]`: the condition of `J` is not squared.
     Qr,
     /// Cholesky of the normal equations with columns scaled to length one, the faster way. It is used
-    /// while the scaled pivots stay above 1e-9; below, and for the last step, QR takes over.
+    /// while the scaled pivots stay above 1e-9, for the last step above 1e-7; below, QR takes over.
     #[default]
     NormalThenQr,
 }
@@ -20,11 +20,15 @@ pub(super) struct LinearStep {
     pub delta: DVector<f64>,
     /// Length of `J δ`: how far the residual moves, in units of the residual.
     pub moved: f64,
+    /// True if it has the digits to be the last one.
+    pub precise: bool,
 }
 
 /// Smallest squared pivot of the scaled Cholesky factor that is still trusted; the step then has about six
 /// correct digits, and the iteration repairs the rest.
 const SMALLEST_PIVOT: f64 = 1e-9;
+/// The same for a last step, which nothing repairs.
+const SMALLEST_LAST_PIVOT: f64 = 1e-7;
 
 /// Diagonal entries of R below this part of the largest are rounding, for columns of length one.
 const SINGULAR: f64 = 1e-13;
@@ -69,15 +73,21 @@ pub(super) fn solve_step(
         LinearMethod::NormalThenQr => by_normal_equations(j, r, scale, damping),
         LinearMethod::Qr => None,
     };
-    let delta = match normal {
-        Some(delta) => delta,
-        None => by_qr(j, r, scale, damping)?,
+    let (delta, precise) = match normal {
+        Some((delta, smallest)) => (delta, smallest >= SMALLEST_LAST_PIVOT),
+        None => (by_qr(j, r, scale, damping)?, true),
     };
     let moved = (j * &delta).norm();
-    (delta.iter().all(|v| v.is_finite()) && moved.is_finite()).then_some(LinearStep { delta, moved })
+    (delta.iter().all(|v| v.is_finite()) && moved.is_finite()).then_some(LinearStep { delta, moved, precise })
 }
 
-fn by_normal_equations(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+/// The step and the smallest squared pivot.
+fn by_normal_equations(
+    j: &DMatrix<f64>,
+    r: &DVector<f64>,
+    scale: &DVector<f64>,
+    damping: f64,
+) -> Option<(DVector<f64>, f64)> {
     let n = j.ncols();
     // A product of matrices is blocked; `j.tr_mul(j)` would take it apart into dot products, at twice the time.
     let mut gram = j.transpose() * j;
@@ -93,12 +103,13 @@ fn by_normal_equations(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>,
     }
     let factor = Cholesky::new(gram)?;
     let l = factor.l_dirty();
-    if (0..n).any(|k| l[(k, k)] * l[(k, k)] < SMALLEST_PIVOT) {
+    let smallest = (0..n).map(|k| l[(k, k)] * l[(k, k)]).fold(f64::INFINITY, f64::min);
+    if smallest < SMALLEST_PIVOT {
         return None;
     }
     factor.solve_mut(&mut rhs);
     rhs.component_div_assign(scale);
-    Some(rhs)
+    Some((rhs, smallest))
 }
 
 fn by_qr(j: &DMatrix<f64>, r: &DVector<f64>, scale: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {

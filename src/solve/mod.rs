@@ -21,6 +21,7 @@
 
 mod decomposition;
 mod gauss_newton;
+mod inverse;
 mod lanes;
 mod least_squares;
 mod levenberg_marquardt;
@@ -34,6 +35,7 @@ mod triangle;
 
 pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
 use gauss_newton::GaussNewton;
+pub(crate) use inverse::inverse6;
 pub(crate) use lanes::{LANES, Lanes, load, store, vectors};
 pub use least_squares::{
     Convergence, EvaluationError, IterationRecord, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem,

@@ -123,11 +123,12 @@ impl Newton {
     /// The step `-J⁻¹ f`, or `None` where `J` is singular or not finite.
     fn full_step(&mut self) -> Option<Vector6<f64>> {
         let lu: LU<f64, U6, U6> = self.jacobian.lu();
-        let pivots = lu.u().diagonal();
+        let factors = lu.lu_internal();
         let (mut small, mut large) = (f64::INFINITY, 0.0_f64);
-        for p in pivots.iter() {
-            small = small.min(p.abs());
-            large = large.max(p.abs());
+        for k in 0..6 {
+            let pivot = factors[(k, k)].abs();
+            small = small.min(pivot);
+            large = large.max(pivot);
         }
         self.pivot_ratio = small / large;
         self.determinant = lu.determinant();

@@ -16,6 +16,9 @@ use crate::mechanism::{Mechanism, MotionBlock, ParameterSpec};
 use crate::pose::Pose;
 use crate::solve::{Triangle, linearized};
 
+/// Rows per unknown up to which folding them together costs more than it saves.
+const FEW: usize = 8;
+
 /// Whitened residual `W(ŷ(x) - y)` of a dataset, with prior rows `(x - x₀)/σ₀` below it.
 ///
 /// Unknowns: the parameters of the mechanism, then those of the measurement. Forward kinematics of each sample
@@ -317,7 +320,9 @@ impl<'a> CalibrationProblem<'a> {
             plain.poses = self.prepared().map(|s| s.pose).collect();
             plain.solved_at = Some(self.mechanism.values().to_vec());
             let (r, j) = linearized(&mut plain, &self.start)?;
-            self.at_start = Some(ScaledRows::of(self.mechanism, &Triangle::of(&j, &r).jacobian()));
+            // A few rows are looked at as they are; many are folded together.
+            let rows = if r.len() > FEW * j.ncols() { Triangle::of(&j, &r).jacobian() } else { j };
+            self.at_start = Some(ScaledRows::of(self.mechanism, &rows));
         }
         // It was made just above.
         self.at_start.as_ref().ok_or(IdentifyError::Empty)

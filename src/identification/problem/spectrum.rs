@@ -30,10 +30,9 @@ pub(crate) const UNSEEN: f64 = 1e-9;
 /// Above this part of all columns together a direction is seen without looking more closely.
 const CLEARLY_SEEN: f64 = 1e-6;
 
-/// The whitened rows of the data in parameters over their tolerance.
+/// The whitened rows of the data, or others with the same products of columns, in parameters over their tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct ScaledRows {
-    /// As many rows as are left.
     part: DMatrix<f64>,
     scale: Vec<f64>,
     by_tolerance: bool,
