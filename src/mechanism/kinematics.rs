@@ -1,5 +1,7 @@
 //! Kinematics of any mechanism from its closure equations.
 
+use std::ops::AddAssign;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
 use super::{KinematicsError, Linearization, Mechanism, MotionBlock};
@@ -261,10 +263,13 @@ pub fn motion_of_point(
     let (pose, joints) = consistent(mechanism, c, pose, &at)?;
     let mut block = MotionBlock::sized_for(mechanism);
     mechanism.motion_block(c, &joints, &pose, &at, &mut block)?;
-    let mut seen = Matrix6::identity();
-    seen.fixed_view_mut::<3, 3>(0, 3).copy_from(&-(pose.rotation * pivot).cross_matrix());
-    let moved = seen * block.parameters;
-    Ok(DMatrix::from_iterator(6, moved.ncols(), moved.iter().copied()))
+    let lever = pose.rotation * pivot;
+    let mut moved = DMatrix::from_column_slice(6, block.parameters.ncols(), block.parameters.as_slice());
+    for mut column in moved.column_iter_mut() {
+        let shift = Vector3::new(column[3], column[4], column[5]).cross(&lever);
+        column.rows_mut(0, 3).add_assign(&shift);
+    }
+    Ok(moved)
 }
 
 /// Motion block of any mechanism from its closure equations: `-J₁⁺ [J₂, Jⱼ]`.

@@ -47,4 +47,4 @@ pub(crate) use linearized::linearized;
 pub(crate) use minimum_norm::minimum_norm;
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
 pub(crate) use pseudo_inverse::{pseudo_inverse, with_unit_columns};
-pub(crate) use triangle::{Triangle, independent};
+pub(crate) use triangle::{Triangle, exceeds, gram};

@@ -126,22 +126,30 @@ impl Triangle {
     }
 }
 
-/// True if every singular value of a matrix is at least `limit`, by a Cholesky factor of `AᵀA - limit² I`. Near the limit, and
-/// where rounding of the squares could hide it, the answer is no.
+/// True if every singular value of a matrix is at least `limit`. Near the limit, and where rounding of the squares could hide
+/// it, the answer is no.
 pub(crate) fn independent(a: &DMatrix<f64>, limit: f64) -> bool {
-    let mut gram = a.transpose() * a;
-    let trace = gram.trace();
-    let n = gram.nrows();
-    let shift = limit * limit;
+    exceeds(&gram(a), limit)
+}
+
+/// `AᵀA`; a product of matrices is blocked, `tr_mul` would take it apart into dot products.
+pub(crate) fn gram(a: &DMatrix<f64>) -> DMatrix<f64> {
+    a.transpose() * a
+}
+
+/// [`independent`] of a matrix with this [`gram`], by a Cholesky factor of `AᵀA - limit² I`.
+pub(crate) fn exceeds(gram: &DMatrix<f64>, limit: f64) -> bool {
+    let (n, trace, square) = (gram.nrows(), gram.trace(), limit * limit);
     // A Cholesky factor of positive numbers is that of a matrix at most this far away (Higham, theorem 10.3).
     let rounding = 4.0 * (n + 2) as f64 * f64::EPSILON * trace;
-    if !(trace.is_finite() && rounding < shift) {
+    if !(trace.is_finite() && rounding < square) {
         return false;
     }
+    let mut shifted = gram.clone();
     for k in 0..n {
-        gram[(k, k)] -= shift + rounding;
+        shifted[(k, k)] -= square + rounding;
     }
-    Cholesky::new(gram).is_some()
+    Cholesky::new(shifted).is_some()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::mechanism::Mechanism;
 use crate::observability::{DECIDED, Spectrum};
-use crate::solve::independent;
+use crate::solve::{exceeds, gram};
 
 /// Singular values and directions of the data alone.
 #[derive(Clone, Debug)]
@@ -34,6 +34,8 @@ const CLEARLY_SEEN: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub(crate) struct ScaledRows {
     part: DMatrix<f64>,
+    /// Products of its columns.
+    gram: DMatrix<f64>,
     scale: Vec<f64>,
     by_tolerance: bool,
 }
@@ -56,7 +58,7 @@ impl ScaledRows {
         for (k, s) in scale.iter().enumerate() {
             part.column_mut(k).scale_mut(*s);
         }
-        Self { part, by_tolerance: specs.iter().all(|s| s.tolerance.is_some()), scale }
+        Self { gram: gram(&part), part, by_tolerance: specs.iter().all(|s| s.tolerance.is_some()), scale }
     }
 
     /// All singular values, for the noise as stated.
@@ -68,13 +70,13 @@ impl ScaledRows {
     /// True if the data decide every direction, for σ of the readings times `noise_scale`.
     pub(crate) fn decided(&self, noise_scale: f64) -> bool {
         let limit = DECIDED * noise_scale;
-        independent(&self.part, limit) || self.spectrum().smallest() >= limit
+        exceeds(&self.gram, limit) || self.spectrum().smallest() >= limit
     }
 
     /// Tolerances and the directions (columns, in parameters over them) of which the rows say nothing; `None` if there are
     /// none.
     pub(crate) fn unseen(&self) -> Option<(&[f64], DMatrix<f64>)> {
-        if independent(&self.part, CLEARLY_SEEN * self.part.norm()) {
+        if exceeds(&self.gram, CLEARLY_SEEN * self.gram.trace().sqrt()) {
             return None;
         }
         self.spectrum().unseen().map(|directions| (self.scale.as_slice(), directions))
