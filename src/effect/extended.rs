@@ -10,7 +10,7 @@ use super::context::Home;
 use super::{ActsOn, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    Extension, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole,
+    Extension, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock, ParameterRole,
     ParameterSpec,
 };
 use crate::pose::Pose;
@@ -99,8 +99,8 @@ pub struct Extended {
     environment: Arc<Environment>,
     home: Home,
     effects: Vec<ActiveEffect>,
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
+    /// That of the mechanism, with the parameters of the effects behind its own.
+    core: MechanismCore,
 }
 
 /// Rounds of pose and effects in turn.
@@ -114,16 +114,15 @@ impl Extended {
         let effects: Vec<ActiveEffect> =
             effects.into_iter().filter(|e| e.effect.acts_on() == ActsOn::Mechanism).collect();
         let home = Home::of(inner.as_ref(), &environment);
-        let mut specs = inner.parameters().to_vec();
-        let mut values = inner.values().to_vec();
+        let mut core = inner.core().clone();
         {
             let context = EffectContext::with_home(inner.as_ref(), &environment, home.clone());
             for effect in &effects {
-                specs.extend(effect.specs(&context));
-                values.extend(&effect.values);
+                core.parameters.extend(effect.specs(&context));
+                core.values.extend(&effect.values);
             }
         }
-        Self { inner, environment, home, effects, specs, values }
+        Self { inner, environment, home, effects, core }
     }
 
     /// The mechanism without effects.
@@ -213,42 +212,26 @@ impl Extension for Extended {
 }
 
 impl Mechanism for Extended {
+    fn core(&self) -> &MechanismCore {
+        &self.core
+    }
+
     fn extension(&self) -> Option<&dyn Extension> {
         Some(self)
     }
 
-    fn name(&self) -> &str {
-        self.inner.name()
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-
-    fn values(&self) -> &[f64] {
-        &self.values
-    }
-
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        if c.len() != self.specs.len() {
-            return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
+        if c.len() != self.parameters().len() {
+            return Err(GeometryError::ParameterCount { expected: self.parameters().len(), found: c.len() });
         }
         let (inner, theta) = self.split(c);
         let effects = ActiveEffect::with_values(&self.effects, theta.iter().copied());
         let inner = self.inner.with_values(inner, home)?;
         let mut made = Self::new(inner, Arc::clone(&self.environment), effects);
         // The values that effects had in the file stay the nominal ones, and they go on measuring from the same joints.
-        made.specs.clone_from(&self.specs);
+        made.core.parameters.clone_from(&self.core.parameters);
         made.home.keep_joints(&self.home);
         Ok(Box::new(made))
-    }
-
-    fn joints(&self) -> &[JointSpec] {
-        self.inner.joints()
-    }
-
-    fn home(&self) -> Pose {
-        self.inner.home()
     }
 
     fn equations(&self) -> usize {
@@ -262,7 +245,7 @@ impl Mechanism for Extended {
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
         let inner = self.inner.mounted(base, target)?;
         let mut made = Self::new(inner, Arc::clone(&self.environment), self.effects.clone());
-        made.specs.clone_from(&self.specs);
+        made.core.parameters.clone_from(&self.core.parameters);
         made.home.keep_joints(&self.home);
         Some(Box::new(made))
     }

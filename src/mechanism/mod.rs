@@ -23,6 +23,7 @@
 
 mod characteristics;
 pub mod closure;
+mod core;
 mod error;
 pub mod kinds;
 mod kinematics;
@@ -41,6 +42,7 @@ use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
 
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 use characteristics::{check_held, inverse_motion};
+pub use core::MechanismCore;
 pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{
     consistent, continuation, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point,
@@ -61,27 +63,41 @@ use crate::pose::Pose;
 /// Methods take the parameters `c` as an argument, in the order of [`parameters`](Self::parameters), so that
 /// an identification can try values without building mechanisms. All numbers are SI.
 pub trait Mechanism: Any + Debug + Send + Sync {
+    /// What the mechanism keeps about itself; [`name`](Self::name), [`parameters`](Self::parameters),
+    /// [`values`](Self::values), [`joints`](Self::joints) and [`home`](Self::home) read it.
+    fn core(&self) -> &MechanismCore;
+
     /// Display name.
-    fn name(&self) -> &str;
+    fn name(&self) -> &str {
+        &self.core().name
+    }
 
     /// Name, unit, nominal value, tolerance and role of each parameter: the order of `C`, eq. (15).
-    fn parameters(&self) -> &[ParameterSpec];
+    fn parameters(&self) -> &[ParameterSpec] {
+        &self.core().parameters
+    }
 
     /// The parameter values of this very mechanism (nominal or calibrated), in the order of
     /// [`parameters`](Self::parameters).
-    fn values(&self) -> &[f64];
+    fn values(&self) -> &[f64] {
+        &self.core().values
+    }
+
+    /// Name, dimension and stroke of each joint coordinate.
+    fn joints(&self) -> &[JointSpec] {
+        &self.core().joints
+    }
+
+    /// The pose from which forward kinematics starts and about which the workspace lies.
+    fn home(&self) -> Pose {
+        self.core().home
+    }
 
     /// A mechanism of this kind with other parameter values and another home.
     ///
     /// # Errors
     /// [`GeometryError`] if no mechanism has these values.
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError>;
-
-    /// Name, dimension and stroke of each joint coordinate.
-    fn joints(&self) -> &[JointSpec];
-
-    /// The pose from which forward kinematics starts and about which the workspace lies.
-    fn home(&self) -> Pose;
 
     /// Number `m ≥ 6` of closure equations.
     fn equations(&self) -> usize;

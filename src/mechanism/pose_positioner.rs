@@ -14,7 +14,8 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::DMatrix;
 
 use super::{
-    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec, check_held,
+    GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MechanismCore, ParameterRole, ParameterSpec,
+    check_held,
 };
 use crate::conditions::Conditions;
 use crate::pose::{Pose, PoseConvention, wrapped_angle};
@@ -23,12 +24,8 @@ use crate::units::Dimension;
 /// A positioner whose joints are the coordinates of the pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosePositioner {
-    name: String,
+    core: MechanismCore,
     convention: PoseConvention,
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
-    joints: Vec<JointSpec>,
-    home: Pose,
 }
 
 const NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -58,60 +55,35 @@ impl PosePositioner {
             role: ParameterRole::PoseOffset { coordinate: k },
         };
         let joint = |k: usize| JointSpec { name: format!("cmd_{}", NAMES[k]), dimension: dimension(k), stroke: None };
-        let made = Self {
-            name: name.into(),
-            convention,
-            specs: (0..6).map(spec).collect(),
-            values: offsets.to_vec(),
-            joints: (0..6).map(joint).collect(),
-            home,
-        };
+        let core = MechanismCore::new(name, (0..6).map(spec).collect(), (0..6).map(joint).collect(), home);
+        let made = Self { core, convention };
         made.check()?;
         Ok(made)
     }
 
     /// The offsets, m and rad.
     pub fn offsets(&self) -> &[f64] {
-        &self.values
+        self.values()
     }
 
     fn check(&self) -> Result<(), GeometryError> {
-        if let Some((spec, value)) = self.specs.iter().zip(&self.values).find(|(_, v)| !v.is_finite()) {
+        if let Some((spec, value)) = self.parameters().iter().zip(self.values()).find(|(_, v)| !v.is_finite()) {
             return Err(GeometryError::Other(format!("offset {} is not a finite number ({value})", spec.name)));
         }
-        let joints = self.inverse(&self.values, &self.home, &Conditions::unknown()).map_err(GeometryError::Home)?;
+        let joints = self.inverse(self.values(), &self.home(), &Conditions::unknown()).map_err(GeometryError::Home)?;
         check_held(self, &joints)
     }
 }
 
 impl Mechanism for PosePositioner {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-
-    fn values(&self) -> &[f64] {
-        &self.values
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
 
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        if c.len() != self.specs.len() {
-            return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
-        }
-        let other = Self { values: c.to_vec(), home, ..self.clone() };
+        let other = Self { core: self.core.with_values(c, home)?, ..*self };
         other.check()?;
         Ok(Box::new(other))
-    }
-
-    fn joints(&self) -> &[JointSpec] {
-        &self.joints
-    }
-
-    fn home(&self) -> Pose {
-        self.home
     }
 
     fn equations(&self) -> usize {

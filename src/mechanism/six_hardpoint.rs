@@ -17,8 +17,8 @@ use super::kinematics::on_branch;
 use super::six_legs::{SixLegs, leg_row};
 use super::six_legs_batch::SixLegsBatch;
 use super::{
-    Axis, ForwardQuery, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock,
-    ParameterRole, ParameterSpec, check_held, continuation, inverse_motion,
+    Axis, ForwardQuery, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MechanismCore,
+    MotionBlock, ParameterRole, ParameterSpec, check_held, continuation, inverse_motion,
 };
 use crate::conditions::Conditions;
 use crate::pose::Pose;
@@ -43,11 +43,7 @@ pub struct Leg {
 /// The paper's mechanism: six hardpoints, 42 parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SixHardpoint {
-    name: String,
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
-    joints: Vec<JointSpec>,
-    home: Pose,
+    core: MechanismCore,
     /// Sign of `det J₁` at home: which side of the singularities the mechanism works on.
     side: f64,
 }
@@ -91,19 +87,14 @@ impl SixHardpoint {
             dimension: Dimension::Length,
             stroke: l.stroke,
         });
-        let mut mechanism = Self {
-            name: name.into(),
-            specs,
-            values,
-            joints: joints.collect(),
-            home: home.unwrap_or_else(|| pose_above_base(legs)),
-            side: 0.0,
-        };
+        let home_or_above = home.unwrap_or_else(|| pose_above_base(legs));
+        let core = MechanismCore { values, ..MechanismCore::new(name, specs, joints.collect(), home_or_above) };
+        let mut mechanism = Self { core, side: 0.0 };
         if home.is_none() {
             let lengths: Vec<f64> = legs.iter().map(|l| l.length).collect();
-            let seed = mechanism.home;
-            mechanism.home = mechanism
-                .forward(&mechanism.values, &lengths, &Conditions::unknown(), &seed)
+            let seed = mechanism.home();
+            mechanism.core.home = mechanism
+                .forward(mechanism.values(), &lengths, &Conditions::unknown(), &seed)
                 .map_err(GeometryError::Home)?;
         }
         mechanism.hold_at_home()?;
@@ -112,10 +103,10 @@ impl SixHardpoint {
 
     /// Finds on which side of the singularities home lies, or refuses a home that the legs do not hold.
     fn hold_at_home(&mut self) -> Result<(), GeometryError> {
-        let joints = self.inverse(&self.values, &self.home, &Conditions::unknown()).map_err(GeometryError::Home)?;
+        let joints = self.inverse(self.values(), &self.home(), &Conditions::unknown()).map_err(GeometryError::Home)?;
         check_held(self, &joints)?;
         let (mut residual, mut jacobian) = (Vector6::zeros(), Matrix6::zeros());
-        self.legs(&self.values, &joints).equations(&self.home, &mut residual, &mut jacobian);
+        self.legs(self.values(), &joints).equations(&self.home(), &mut residual, &mut jacobian);
         self.side = jacobian.determinant().signum();
         Ok(())
     }
@@ -123,14 +114,14 @@ impl SixHardpoint {
     /// The legs as they are now.
     pub fn to_legs(&self) -> Vec<Leg> {
         let leg = |i: usize| {
-            let c = &self.values[PER_LEG * i..PER_LEG * (i + 1)];
-            let length = self.specs[PER_LEG * i + 3].nominal;
+            let c = &self.core.values[PER_LEG * i..PER_LEG * (i + 1)];
+            let length = self.core.parameters[PER_LEG * i + 3].nominal;
             Leg {
                 platform: Vector3::new(c[0], c[1], c[2]),
                 base: Vector3::new(c[4], c[5], c[6]),
                 length,
                 length_offset: c[3] - length,
-                stroke: self.joints[i].stroke,
+                stroke: self.core.joints[i].stroke,
             }
         };
         (0..LEGS).map(leg).collect()
@@ -143,7 +134,7 @@ impl SixHardpoint {
             let p = &c[PER_LEG * i..PER_LEG * (i + 1)];
             legs.a[i] = Vector3::new(p[0], p[1], p[2]);
             legs.b[i] = Vector3::new(p[4], p[5], p[6]);
-            legs.length[i] = joints[i] + (p[3] - self.specs[PER_LEG * i + 3].nominal);
+            legs.length[i] = joints[i] + (p[3] - self.core.parameters[PER_LEG * i + 3].nominal);
         }
         legs
     }
@@ -213,35 +204,14 @@ fn pose_above_base(legs: &[Leg]) -> Pose {
 }
 
 impl Mechanism for SixHardpoint {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-
-    fn values(&self) -> &[f64] {
-        &self.values
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
 
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        if c.len() != self.specs.len() {
-            return Err(GeometryError::ParameterCount { expected: self.specs.len(), found: c.len() });
-        }
-        let mut other = self.clone();
-        other.values.copy_from_slice(c);
-        other.home = home;
+        let other = Self { core: self.core.with_values(c, home)?, ..*self };
         check_legs(&other.to_legs())?;
         Ok(Box::new(other))
-    }
-
-    fn joints(&self) -> &[JointSpec] {
-        &self.joints
-    }
-
-    fn home(&self) -> Pose {
-        self.home
     }
 
     fn equations(&self) -> usize {

@@ -13,7 +13,7 @@ use super::pattern::Pattern;
 use super::{Closure, Outline};
 use crate::conditions::Conditions;
 use crate::mechanism::{
-    Body, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
+    Body, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock, ParameterSpec,
     characteristic_length, check_held, forward_by_rows, inverse_motion, motion_block_by_closure,
 };
 use crate::pose::Pose;
@@ -34,15 +34,13 @@ pub struct ClosureMechanism<C> {
     all: Vec<f64>,
     /// Which of them are identified.
     free: Vec<usize>,
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
+    /// With the parameters that are identified, and home in the frames of the measurement.
+    core: MechanismCore,
     pattern: Pattern,
     joint_pattern: Pattern,
     mounting: Option<Mounting>,
     /// Home and its joints, in the mechanism's own frames.
     home: Root,
-    /// Home in the frames of the measurement.
-    outer_home: Pose,
     size: f64,
     /// Closure equations without passive ones.
     equations: usize,
@@ -99,18 +97,21 @@ impl<C: Closure> ClosureMechanism<C> {
         check_outline(&outline, &all, &free)?;
         let pattern = Pattern::of(&closure, &outline, &free);
         let joint_pattern = Pattern::of(&closure, &outline, &[]);
-        let specs: Vec<ParameterSpec> = free.iter().map(|k| outline.parameters[*k].clone()).collect();
-        let values = free.iter().map(|k| all[*k]).collect();
+        let core = MechanismCore {
+            name: outline.name.clone(),
+            parameters: free.iter().map(|k| outline.parameters[*k].clone()).collect(),
+            values: free.iter().map(|k| all[*k]).collect(),
+            joints: outline.joints.clone(),
+            home: outline.home,
+        };
         let home = Root { pose: outline.home, joints: outline.home_joints.clone() };
         let mut made = Self {
             equations: outline.equations - outline.passive.len(),
-            outer_home: outline.home,
             closure,
             outline,
             all,
             free,
-            specs,
-            values,
+            core,
             pattern,
             joint_pattern,
             mounting,
@@ -130,7 +131,7 @@ impl<C: Closure> ClosureMechanism<C> {
         self.home = self
             .root_at(&self.all, pose, &Conditions::unknown())
             .map_err(|e| GeometryError::ClosureAtHome(Box::new(e)))?;
-        self.outer_home = self.outer(&self.home.pose);
+        self.core.home = self.outer(&self.home.pose);
         Ok(())
     }
 
@@ -223,46 +224,31 @@ impl<C: Closure> Rows for AtParameters<'_, C> {
 }
 
 impl<C: Closure> Mechanism for ClosureMechanism<C> {
-    fn name(&self) -> &str {
-        &self.outline.name
-    }
-
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-
-    fn values(&self) -> &[f64] {
-        &self.values
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
 
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        if c.len() != self.values.len() {
-            return Err(GeometryError::ParameterCount { expected: self.values.len(), found: c.len() });
+        if c.len() != self.values().len() {
+            return Err(GeometryError::ParameterCount { expected: self.values().len(), found: c.len() });
         }
         if let Some(k) = c.iter().position(|v| !v.is_finite()) {
             return Err(GeometryError::Outline(format!(
                 "{} is {}; every value of a mechanism must be a number",
-                self.specs[k].name, c[k]
+                self.parameters()[k].name,
+                c[k]
             )));
         }
         let mut other = self.clone();
         other.all = self.with_parameters(c).into_owned();
-        other.values = c.to_vec();
+        other.core.values = c.to_vec();
         let inner = self.inner(&home);
         // The branch is that of the old home; values with which it cannot be reached are refused where they are used.
         if other.settle_home(&inner).is_err() {
             other.home.pose = inner;
         }
-        other.outer_home = home;
+        other.core.home = home;
         Ok(Box::new(other))
-    }
-
-    fn joints(&self) -> &[JointSpec] {
-        &self.outline.joints
-    }
-
-    fn home(&self) -> Pose {
-        self.outer_home
     }
 
     fn equations(&self) -> usize {
@@ -285,7 +271,7 @@ impl<C: Closure> Mechanism for ClosureMechanism<C> {
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
         let mut other = self.clone();
         other.mounting = Some(self.mounting.unwrap_or_default().within(base, target));
-        other.outer_home = base.compose(&self.outer_home).compose(target);
+        other.core.home = base.compose(&self.home()).compose(target);
         Some(Box::new(other))
     }
 

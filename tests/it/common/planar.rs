@@ -2,8 +2,8 @@
 
 use paracal::conditions::Conditions;
 use paracal::mechanism::{
-    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec, Workspace,
-    forward_by_closure,
+    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MechanismCore, ParameterRole,
+    ParameterSpec, Workspace, forward_by_closure,
 };
 use paracal::nalgebra::Vector3;
 use paracal::pose::{Pose, PoseConvention};
@@ -13,17 +13,14 @@ use paracal::units::Dimension;
 /// Parameters by leg: x and y of the platform point, offset of the length, x and y of the base point.
 #[derive(Clone, Debug)]
 pub struct Planar {
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
-    joints: Vec<JointSpec>,
-    home: Pose,
+    core: MechanismCore,
     /// A mistake to be caught: the sign of J2 for the base points' x.
     wrong_sign: bool,
 }
 
 impl Planar {
     pub fn new(wrong_sign: bool) -> Self {
-        let (mut specs, mut values, mut joints) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut specs, mut joints) = (Vec::new(), Vec::new());
         for leg in 0..3 {
             // The platform is turned against the base: legs that meet in one point would not hold it.
             let (angle, turned) = (2.1 * leg as f64, 2.1 * leg as f64 + 0.9);
@@ -38,32 +35,19 @@ impl Planar {
                 };
                 let name = format!("{name}{}", leg + 1);
                 specs.push(ParameterSpec { name, dimension: Dimension::Length, nominal, tolerance: Some(1e-3), role });
-                values.push(nominal);
             }
             joints.push(JointSpec { name: format!("leg{}", leg + 1), dimension: Dimension::Length, stroke: None });
         }
-        Self { specs, values, joints, home: Pose::identity(), wrong_sign }
+        Self { core: MechanismCore::new("planar 3-RPR", specs, joints, Pose::identity()), wrong_sign }
     }
 }
 
 impl Mechanism for Planar {
-    fn name(&self) -> &str {
-        "planar 3-RPR"
-    }
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-    fn values(&self) -> &[f64] {
-        &self.values
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        Ok(Box::new(Self { values: c.to_vec(), home, ..self.clone() }))
-    }
-    fn joints(&self) -> &[JointSpec] {
-        &self.joints
-    }
-    fn home(&self) -> Pose {
-        self.home
+        Ok(Box::new(Self { core: self.core.with_values(c, home)?, ..*self }))
     }
     fn equations(&self) -> usize {
         6

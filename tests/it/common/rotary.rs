@@ -2,8 +2,8 @@
 
 use paracal::conditions::Conditions;
 use paracal::mechanism::{
-    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec, Workspace,
-    forward_by_closure,
+    Axis, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MechanismCore, ParameterRole,
+    ParameterSpec, Workspace, forward_by_closure,
 };
 use paracal::nalgebra::Vector3;
 use paracal::pose::{Pose, PoseConvention};
@@ -16,15 +16,12 @@ const PER_LEG: usize = 7;
 /// of its axis.
 #[derive(Clone, Debug)]
 pub struct Rotary {
-    specs: Vec<ParameterSpec>,
-    values: Vec<f64>,
-    joints: Vec<JointSpec>,
-    home: Pose,
+    core: MechanismCore,
 }
 
 impl Rotary {
     pub fn new() -> Self {
-        let (mut specs, mut values, mut joints) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut specs, mut joints) = (Vec::new(), Vec::new());
         for leg in 0..3 {
             let angle = 2.0 * (leg as f64 - 1.0) * std::f64::consts::FRAC_PI_3;
             let numbers = [0.2 * angle.cos(), 0.2 * angle.sin(), 0.0, 0.4, 0.55, 0.8 * angle.cos(), 0.8 * angle.sin()];
@@ -40,33 +37,20 @@ impl Rotary {
                 let dimension = if k == 2 { Dimension::Angle } else { Dimension::Length };
                 let tolerance = Some(if k == 2 { 2e-3 } else { 1e-3 });
                 specs.push(ParameterSpec { name: format!("{name}{}", leg + 1), dimension, nominal, tolerance, role });
-                values.push(nominal);
             }
             let stroke = Some([angle + 2.0, angle + 6.5]);
             joints.push(JointSpec { name: format!("leg{}", leg + 1), dimension: Dimension::Angle, stroke });
         }
-        Self { specs, values, joints, home: Pose::identity() }
+        Self { core: MechanismCore::new("planar 3-RRR", specs, joints, Pose::identity()) }
     }
 }
 
 impl Mechanism for Rotary {
-    fn name(&self) -> &str {
-        "planar 3-RRR"
-    }
-    fn parameters(&self) -> &[ParameterSpec] {
-        &self.specs
-    }
-    fn values(&self) -> &[f64] {
-        &self.values
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        Ok(Box::new(Self { values: c.to_vec(), home, ..self.clone() }))
-    }
-    fn joints(&self) -> &[JointSpec] {
-        &self.joints
-    }
-    fn home(&self) -> Pose {
-        self.home
+        Ok(Box::new(Self { core: self.core.with_values(c, home)? }))
     }
     fn equations(&self) -> usize {
         6

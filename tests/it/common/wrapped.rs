@@ -5,20 +5,25 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use paracal::conditions::Conditions;
 use paracal::mechanism::{
-    Extension, GeometryError, JointSpec, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterSpec,
+    Extension, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock,
 };
 use paracal::pose::Pose;
 
 /// Another mechanism under another name, which counts how often its forward kinematics is asked for.
 #[derive(Debug)]
 pub struct Wrapped {
+    core: MechanismCore,
     inner: Box<dyn Mechanism>,
     forwards: Arc<AtomicUsize>,
 }
 
 impl Wrapped {
     pub fn around(inner: Box<dyn Mechanism>) -> Self {
-        Self { inner, forwards: Arc::default() }
+        Self::counting(inner, Arc::default())
+    }
+
+    fn counting(inner: Box<dyn Mechanism>, forwards: Arc<AtomicUsize>) -> Self {
+        Self { core: MechanismCore { name: "renamed".into(), ..inner.core().clone() }, inner, forwards }
     }
 
     /// Forward kinematics of this mechanism and of all that were made of it.
@@ -28,24 +33,11 @@ impl Wrapped {
 }
 
 impl Mechanism for Wrapped {
-    fn name(&self) -> &str {
-        "renamed"
-    }
-    fn parameters(&self) -> &[ParameterSpec] {
-        self.inner.parameters()
-    }
-    fn values(&self) -> &[f64] {
-        self.inner.values()
+    fn core(&self) -> &MechanismCore {
+        &self.core
     }
     fn with_values(&self, c: &[f64], home: Pose) -> Result<Box<dyn Mechanism>, GeometryError> {
-        let forwards = Arc::clone(&self.forwards);
-        Ok(Box::new(Self { inner: self.inner.with_values(c, home)?, forwards }))
-    }
-    fn joints(&self) -> &[JointSpec] {
-        self.inner.joints()
-    }
-    fn home(&self) -> Pose {
-        self.inner.home()
+        Ok(Box::new(Self::counting(self.inner.with_values(c, home)?, Arc::clone(&self.forwards))))
     }
     fn equations(&self) -> usize {
         self.inner.equations()
