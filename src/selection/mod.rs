@@ -20,6 +20,7 @@
 
 mod campaign;
 mod candidates;
+mod criterion;
 mod detmax;
 mod error;
 mod exchange;
@@ -31,10 +32,11 @@ mod preview;
 mod problem;
 mod random;
 mod relaxation;
+mod screening;
 mod support;
 
 pub use campaign::{Campaign, Infeasible};
-pub use candidates::{Candidates, Sources};
+pub use candidates::{Candidates, Origin, Sources};
 pub use detmax::{Detmax, TabuDetmax};
 pub use error::SelectionError;
 pub use exchange::Exchange;
@@ -42,7 +44,7 @@ pub use forecast::{Forecast, Forecaster};
 pub use how_many::{MOST_POSES, Requirement, how_many, smallest_number};
 pub use job::{ChosenSet, Objective, SelectionTask, select, select_among};
 pub use preview::{Preview, preview};
-pub use problem::{Choice, PoseSelector, Problem, Step};
+pub use problem::{Choice, Numbered, PoseSelector, Problem, Step};
 pub use random::Random;
 pub use relaxation::{Relaxation, relax};
 

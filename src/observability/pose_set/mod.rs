@@ -137,14 +137,18 @@ impl<'a> PoseSet<'a> {
     pub fn best_addition(&mut self) -> Option<Best> {
         self.refresh();
         let mut scores = std::mem::take(&mut self.scores);
-        match (&self.pool.layout, self.exact_scores_only()) {
-            (_, true) => self.slow_additions(&mut scores),
-            (Stored::Legs(legs), _) => self.scan(legs, 1.0, &self.open, &mut scores),
-            (Stored::Dense(dense), _) => self.scan(dense, 1.0, &self.open, &mut scores),
-        }
+        self.scan_additions(&mut scores);
         self.scores = scores;
         self.sharpen();
         best_open(&self.scores, &self.open)
+    }
+
+    fn scan_additions(&self, scores: &mut [Lanes]) {
+        match (&self.pool.layout, self.exact_scores_only()) {
+            (_, true) => self.slow_additions(scores),
+            (Stored::Legs(legs), _) => self.scan(legs, 1.0, &self.open, scores),
+            (Stored::Dense(dense), _) => self.scan(dense, 1.0, &self.open, scores),
+        }
     }
 
     /// Score of a candidate in the last scan of additions.
@@ -225,6 +229,6 @@ impl<'a> PoseSet<'a> {
     }
 
     fn fixed_stored(&self) -> DMatrix<f64> {
-        &self.fixed * &self.pool.inverse
+        &self.fixed * &self.pool.coordinates.inverse
     }
 }

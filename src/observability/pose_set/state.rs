@@ -59,7 +59,7 @@ impl PoseSet<'_> {
             }
             FastForm::Trace(gain) => {
                 let (_, inverse, _) = self.information();
-                let onto = &self.pool.inverse * &inverse;
+                let onto = &self.pool.coordinates.inverse * &inverse;
                 let middle = onto.transpose() * gain * onto;
                 State::Trace { inverse, middle }
             }
@@ -67,7 +67,7 @@ impl PoseSet<'_> {
                 let spectrum = Spectrum::of(&self.rows(), self.poses(), true);
                 let floor = floor(&spectrum.values);
                 let lambda: Vec<f64> = spectrum.values.iter().map(|s| s * s + floor).collect();
-                let rotation = &self.pool.basis * &spectrum.directions;
+                let rotation = &self.pool.coordinates.basis * &spectrum.directions;
                 State::Spectral { spectrum, lambda, rotation }
             }
         };
