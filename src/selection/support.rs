@@ -189,7 +189,7 @@ impl<'a> Support<'a> {
             self.shares[from] = if t == self.shares[from] { 0.0 } else { self.shares[from] - t };
             for (which, sign) in [(to, 1.0), (from, -1.0)] {
                 let rows = &self.rows[which] * t.sqrt();
-                if !update_inverse(&mut inverse, &rows, sign, 0.0) {
+                if update_inverse(&mut inverse, &rows, sign, 0.0).is_none() {
                     return step + 1;
                 }
             }

@@ -7,7 +7,8 @@ mod structure;
 use nalgebra::{Cholesky, DMatrix, Matrix6, Matrix6xX};
 use rayon::prelude::*;
 
-use super::kernel::{Dense, LANES, Lanes, Legs, PER_LEG, SLOTS, gradient};
+use super::kernel::{Dense, LANES, Lanes, LegBlock, Legs, PER_LEG, SLOTS, gradient, update_legs};
+use super::rows::update_inverse;
 use raw::alike;
 use structure::Groups;
 
@@ -157,21 +158,24 @@ impl Pool {
         out.into_iter().flatten().take(self.len).collect()
     }
 
+    /// Turns `M⁻¹` in stored coordinates into that with a candidate more (`sign = 1`) or less (`sign = -1`); the
+    /// logarithm of the ratio of the determinants, or `None`, and nothing done, where that would be inaccurate.
+    pub(super) fn update(&self, inverse: &mut DMatrix<f64>, k: usize, sign: f64, smallest_pivot: f64) -> Option<f64> {
+        match &self.layout {
+            Stored::Legs(legs) => update_legs(inverse, &legs.block(k), sign, smallest_pivot),
+            Stored::Dense(_) => update_inverse(inverse, &self.stored(k), sign, smallest_pivot),
+        }
+    }
+
     /// Rows of candidate `k` in stored coordinates.
     pub(crate) fn stored(&self, k: usize) -> DMatrix<f64> {
-        let (batch, lane) = (k / LANES, k % LANES);
         match &self.layout {
             Stored::Legs(legs) => {
-                let rows = &legs.data[batch * Legs::ROWS..(batch + 1) * Legs::ROWS];
+                let LegBlock { u: own, p } = legs.block(k);
                 let mut u = DMatrix::zeros(6, SLOTS);
-                let mut p = Matrix6::zeros();
-                for leg in 0..6 {
-                    for slot in 0..PER_LEG {
-                        u[(leg, PER_LEG * leg + slot)] = rows[Legs::u_row(leg, slot)][lane];
-                    }
-                    for other in 0..=leg {
-                        p[(leg, other)] = rows[Legs::p_row(leg, other)][lane];
-                        p[(other, leg)] = p[(leg, other)];
+                for (leg, own) in own.iter().enumerate() {
+                    for (slot, value) in own.iter().enumerate() {
+                        u[(leg, PER_LEG * leg + slot)] = *value;
                     }
                 }
                 // Every stored block passed this decomposition when it was made.
@@ -180,7 +184,7 @@ impl Pool {
                 u
             }
             Stored::Dense(dense) => {
-                let rows = 6 * dense.parameters;
+                let (batch, lane, rows) = (k / LANES, k % LANES, 6 * dense.parameters);
                 let batch = &dense.data[batch * rows..(batch + 1) * rows];
                 DMatrix::from_fn(6, dense.parameters, |r, d| batch[6 * d + r][lane])
             }

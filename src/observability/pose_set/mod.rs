@@ -4,7 +4,7 @@ mod best;
 mod scoring;
 mod state;
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 use super::kernel::{LANES, Lanes};
 use super::pool::Stored;
@@ -117,10 +117,10 @@ impl<'a> PoseSet<'a> {
         self.refresh();
         match (&self.state, self.index.fast()) {
             // With a ridge the factors are those of another set.
-            (State::Determinant { information, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
-                let Some(factor) = Cholesky::new(information.clone()) else { return self.value() };
-                let mean = (0.5 * factor.ln_determinant() + self.log_volume) / information.nrows() as f64;
-                let values = vec![mean.exp(); information.nrows()];
+            (State::Determinant { log_determinant, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
+                let directions = self.pool.directions();
+                let mean = (0.5 * log_determinant + self.log_volume) / directions as f64;
+                let values = vec![mean.exp(); directions];
                 self.index.value(&Spectrum { values, directions: DMatrix::zeros(0, 0), poses: self.poses() })
             }
             (State::Spectral { spectrum, .. }, _) => self.index.value(spectrum),
