@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::candidates::random_stream;
 use super::polish::polish;
 use super::relaxation::relax;
-use super::screening::{is_long, quick_set, settle, shortlist};
+use super::screening::{is_long, quick_set, settle, shortlist, support};
 use super::{Choice, Numbered, PoseSelector, Problem, SelectionError, Step};
 use crate::observability::{FastForm, O1, O5, ObservabilityIndex};
 
@@ -37,6 +37,8 @@ impl Default for Exchange {
 
 /// Members that a round replaces.
 const REPLACED: usize = 4;
+/// So many more rounds where the candidates are few of a long list, and rounds are short.
+const MORE_ROUNDS: usize = 2;
 /// Passes over all members; exchanges end by themselves long before.
 const PASSES: usize = 200;
 
@@ -80,9 +82,13 @@ impl Exchange {
 
     /// Searches the most promising candidates of a long list, then the rest of it from where that ended.
     fn screened(&self, problem: &Problem<'_>) -> Result<Searched, SelectionError> {
-        let numbers = shortlist(problem, &quick_set(problem)?);
+        let mut numbers = shortlist(problem, &quick_set(problem)?);
+        numbers.extend(support(problem));
+        numbers.sort_unstable();
+        numbers.dedup();
         let few = problem.candidates.only(&numbers);
-        let mut found = self.search(&Problem { candidates: &few, ..*problem })?;
+        let longer = Self { rounds: MORE_ROUNDS * self.rounds, ..*self };
+        let mut found = longer.search(&Problem { candidates: &few, ..*problem })?;
         found.members.iter_mut().for_each(|k| *k = numbers[*k]);
         let (value, members) = settle(problem, &found.members);
         if problem.index.goal().better(value, found.value) {

@@ -20,8 +20,8 @@
 //! | O3 | `λ_min(M) ≤ tr(Z M)` for every `Z ⪰ 0`, `tr Z = 1` | `Z ∝ M^-(p+1)` with growing `p` |
 //!
 //! Of a long list few candidates ever get a share. The shares are then found over a part of it, the certificate is
-//! taken over all of it, and the candidates with the largest `dₖ` make the next part, until the certificate over all is
-//! that over the part (column generation).
+//! taken over all of it, and the candidates with the largest `dₖ` join the part, until the certificate over all is that
+//! over the part (column generation).
 
 use nalgebra::DMatrix;
 
@@ -49,10 +49,13 @@ const STEPS: usize = 800;
 /// Largest power with which O3 is approached.
 const LARGEST_POWER: f64 = 150.0;
 
-/// Candidates of a part of a long list.
+/// Candidates of the first part of a long list, and how many of the others join it after each look at all of them.
 const PART: usize = 2500;
-/// Parts, of which few are needed.
-const PARTS: usize = 12;
+const JOINING: usize = 500;
+/// Looks at all candidates, of which few are needed.
+const PARTS: usize = 25;
+/// O3 is approached once more from this part of the power that was reached.
+const BACK: f64 = 0.1;
 /// The certificates over a part and over all candidates count as the same.
 const SAME: f64 = 1e-9;
 
@@ -113,7 +116,11 @@ pub(super) fn relax_with(
         if (bound - found.bound).abs() <= SAME * bound.abs() {
             break;
         }
-        part = strongest(&d, size, shares.iter().map(|(k, _)| *k));
+        part = match &before {
+            // The first part was taken blindly.
+            None => strongest(&d, size, shares.iter().map(|(k, _)| *k)),
+            Some(_) => strongest(&d, JOINING.max(2 * count), part),
+        };
         before = Some((found, shares));
     }
     best.filter(|b| b.bound.is_finite())
@@ -184,7 +191,11 @@ impl Task<'_> {
         let worst = if matches!(criterion, Criterion::Trace(_)) { 0.0 } else { f64::INFINITY };
         let mut best = (worst, support.shares(), 1.0);
         let mut steps = before;
-        let mut power: f64 = power.unwrap_or(if matches!(criterion, Criterion::Harmonic) { 0.5 } else { 1.0 });
+        let mut power = match criterion {
+            Criterion::Harmonic => 0.5,
+            Criterion::Smallest => power.map_or(1.0, |power| (BACK * power).max(1.0)),
+            _ => 1.0,
+        };
         let mut since = 0;
         for _ in 0..STEPS {
             let Some(tangent) = criterion.tangent(support, power) else { break };

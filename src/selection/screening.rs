@@ -8,15 +8,17 @@ use rand::seq::index::sample;
 
 use super::candidates::random_stream;
 use super::exchange::improve;
+use super::relaxation::relax;
 use super::{Problem, SelectionError};
-use crate::observability::{FastForm, O1};
+use crate::observability::{FastForm, O1, O3};
 
 /// Lists up to this length are searched as they are.
 pub(super) const WHOLE: usize = 5000;
 /// Candidates of the first, quick set.
 const DRAWN: usize = 2000;
-/// Candidates that are kept.
+/// Candidates that are kept, and how many where each costs a decomposition.
 const KEPT: usize = 3000;
+const KEPT_COSTLY: usize = 1200;
 /// Fresh parts that are tried.
 const SETTLED: usize = 5;
 const STREAM: u64 = 6 << 32;
@@ -67,14 +69,23 @@ pub(super) fn settle(problem: &Problem<'_>, members: &[usize]) -> (f64, Vec<usiz
 
 /// The numbers, in order, of the candidates that do most for a set, and of the set itself.
 pub(super) fn shortlist(problem: &Problem<'_>, around: &[usize]) -> Vec<usize> {
-    let kept = KEPT.max(20 * problem.count);
-    let own = strongest(&problem.set(around).gains(), kept, around.iter().copied());
+    let least = 20 * problem.count;
     // Exchanges for these indices also start from the best sets for the volume.
     if matches!(problem.index.fast(), FastForm::Extremes(_) | FastForm::HarmonicSum) {
         let volume = Problem { index: &O1, ..*problem };
-        return strongest(&volume.set(around).gains(), kept / 2, own);
+        let own = strongest(&problem.set(around).gains(), KEPT_COSTLY.max(least), around.iter().copied());
+        return strongest(&volume.set(around).gains(), KEPT_COSTLY.max(least), own);
     }
-    own
+    strongest(&problem.set(around).gains(), KEPT.max(least), around.iter().copied())
+}
+
+/// The numbers of the candidates that have a share in the relaxation over the whole list, for indices of extreme
+/// singular values in that of O3.
+pub(super) fn support(problem: &Problem<'_>) -> Vec<usize> {
+    let index = if matches!(problem.index.fast(), FastForm::Extremes(_)) { &O3 } else { problem.index };
+    let fixed = problem.fixed_rows();
+    let found = relax(&problem.candidates.pool, index, &fixed, problem.given.len(), problem.count);
+    found.map_or_else(Vec::new, |found| found.shares.into_iter().map(|(k, _)| k).collect())
 }
 
 /// The numbers of the `kept` largest values, of equal ones the first, and these others, all in order.

@@ -54,19 +54,29 @@ impl WithSimd for Across<'_> {
     type Output = Columns;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Columns {
+    fn with_simd<S: Simd>(self, simd: S) -> Columns {
         let mut across = [[0.0; SLOTS]; 6];
         let (columns, _) = self.inverse.as_chunks::<SLOTS>();
-        for leg in 0..6 {
-            for p in 0..PER_LEG {
-                let factor = self.u[leg][p];
-                let column = &columns[PER_LEG * leg + p];
-                for row in 0..SLOTS {
-                    across[leg][row] += factor * column[row];
-                }
+        for ((across, u), columns) in across.iter_mut().zip(self.u).zip(columns.chunks_exact(PER_LEG)) {
+            for (factor, column) in u.iter().zip(columns) {
+                add_multiple(simd, across, *factor, column);
             }
         }
         across
+    }
+}
+
+/// `a ← a + f b`.
+#[inline(always)]
+fn add_multiple<S: Simd>(simd: S, a: &mut [f64; SLOTS], f: f64, b: &[f64; SLOTS]) {
+    let (a, a_rest) = S::as_mut_simd_f64s(a);
+    let (b, b_rest) = S::as_simd_f64s(b);
+    let factor = simd.splat_f64s(f);
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = simd.mul_add_e_f64s(factor, *b, *a);
+    }
+    for (a, b) in a_rest.iter_mut().zip(b_rest) {
+        *a += f * b;
     }
 }
 
@@ -82,27 +92,33 @@ impl WithSimd for RankSix<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let mut w = self.across;
         for i in 0..6 {
-            for j in 0..i {
-                let factor = self.factor[(i, j)];
-                let (before, rest) = w.split_at_mut(i);
-                for row in 0..SLOTS {
-                    rest[0][row] -= factor * before[j][row];
-                }
+            let (before, rest) = w.split_at_mut(i);
+            for (j, before) in before.iter().enumerate() {
+                add_multiple(simd, &mut rest[0], -self.factor[(i, j)], before);
             }
             let pivot = 1.0 / self.factor[(i, i)];
-            for row in 0..SLOTS {
-                w[i][row] *= pivot;
+            for value in &mut rest[0] {
+                *value *= pivot;
             }
         }
         let (columns, _) = self.inverse.as_chunks_mut::<SLOTS>();
         for (c, column) in columns.iter_mut().enumerate() {
-            for own in &w {
-                let factor = -self.sign * own[c];
-                for row in 0..SLOTS {
-                    column[row] += factor * own[row];
+            let (column, rest) = S::as_mut_simd_f64s(column);
+            for (v, value) in column.iter_mut().enumerate() {
+                let mut sum = *value;
+                for own in &w {
+                    let own_vectors = S::as_simd_f64s(own).0;
+                    sum = simd.mul_add_e_f64s(simd.splat_f64s(-self.sign * own[c]), own_vectors[v], sum);
+                }
+                *value = sum;
+            }
+            let first = SLOTS - rest.len();
+            for (r, value) in rest.iter_mut().enumerate() {
+                for own in &w {
+                    *value -= self.sign * own[c] * own[first + r];
                 }
             }
         }
