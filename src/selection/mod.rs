@@ -15,6 +15,9 @@
 //! one-point exchange. The corners of the workspace matter more than the selector: most coordinates of good poses are
 //! at their limits, and a list of random poses has no such pose.
 //!
+//! Of a long list [`Exchange`] searches the part that would do most for a set that was found quickly, and looks at all
+//! of it once more at the end; the bound holds for all of it whatever was searched.
+//!
 //! [`select`] is the whole job: candidates, choice, bound, and a [`Forecast`] of what the calibration will be worth.
 //! [`how_many`] repeats it over the number of poses.
 

@@ -54,8 +54,6 @@ const PART: usize = 2500;
 const JOINING: usize = 500;
 /// Looks at all candidates, of which few are needed.
 const PARTS: usize = 25;
-/// O3 is approached once more from this part of the power that was reached.
-const BACK: f64 = 0.1;
 /// The certificates over a part and over all candidates count as the same.
 const SAME: f64 = 1e-9;
 
@@ -91,7 +89,7 @@ pub(super) fn relax_with(
     if all <= WHOLE.max(2 * count) {
         let joined = further.map(|_| part_of(&(0..all).collect::<Vec<_>>()));
         let mut support = Support::new(joined.as_ref().unwrap_or(pool), fixed, count)?;
-        let found = task.solve(&mut support, None)?;
+        let found = task.solve(&mut support, 0)?;
         return Some(Relaxation { shares: support.shares(), bound: found.bound, iterations: found.steps });
     }
     let size = PART.max(2 * count);
@@ -104,7 +102,7 @@ pub(super) fn relax_with(
             Some((_, shares)) => Support::with_shares(&stored, fixed, count, within(&part, shares)),
             None => Support::new(&stored, fixed, count)?,
         };
-        let found = task.solve(&mut support, before.as_ref().map(|(found, _)| found))?;
+        let found = task.solve(&mut support, before.as_ref().map_or(0, |(found, _)| found.steps))?;
         let tangent = task.criterion.tangent(&support, found.power)?;
         let mut d = pool.directional(&tangent.phi);
         d.extend(further.iter().flat_map(|f| f.directional(&tangent.phi)));
@@ -152,19 +150,16 @@ impl Task<'_> {
         self.fixed.nrows() == 0
     }
 
-    /// Improves the shares of a support until the certificate over its candidates is tight, from where it was before.
-    fn solve(&self, support: &mut Support<'_>, before: Option<&Found>) -> Option<Found> {
-        let (mut steps, power) = before.map_or((0, None), |f| (f.steps, Some(f.power)));
+    /// Improves the shares of a support until the certificate over its candidates is tight, after so many steps before.
+    /// Every criterion starts from the volume: from the shares of another it is slow.
+    fn solve(&self, support: &mut Support<'_>, before: usize) -> Option<Found> {
+        let volume = support.maximise_volume(GAP);
+        let steps = before + volume.steps;
         let found = if matches!(self.criterion, Criterion::Determinant) {
-            let volume = support.maximise_volume(GAP);
             let spread = Spread { top: volume.top, within: volume.within };
-            let bound = self.volume_bound(support, volume.log_determinant, &spread);
-            Found { bound, power: 1.0, steps: steps + volume.steps }
+            Found { bound: self.volume_bound(support, volume.log_determinant, &spread), power: 1.0, steps }
         } else {
-            if before.is_none() {
-                steps += support.maximise_volume(GAP).steps;
-            }
-            self.approach(support, power, steps)
+            self.approach(support, steps)
         };
         found.bound.is_finite().then_some(found)
     }
@@ -186,16 +181,12 @@ impl Task<'_> {
     }
 
     /// Multiplicative steps `x ← x d^γ` (Silvey, Titterington and Torsney 1978), with the best candidate let in at each.
-    fn approach(&self, support: &mut Support<'_>, power: Option<f64>, before: usize) -> Found {
+    fn approach(&self, support: &mut Support<'_>, before: usize) -> Found {
         let criterion = &self.criterion;
         let worst = if matches!(criterion, Criterion::Trace(_)) { 0.0 } else { f64::INFINITY };
         let mut best = (worst, support.shares(), 1.0);
         let mut steps = before;
-        let mut power = match criterion {
-            Criterion::Harmonic => 0.5,
-            Criterion::Smallest => power.map_or(1.0, |power| (BACK * power).max(1.0)),
-            _ => 1.0,
-        };
+        let mut power: f64 = if matches!(criterion, Criterion::Harmonic) { 0.5 } else { 1.0 };
         let mut since = 0;
         for _ in 0..STEPS {
             let Some(tangent) = criterion.tangent(support, power) else { break };
