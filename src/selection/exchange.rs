@@ -17,7 +17,7 @@ use crate::observability::{FastForm, O1, O5, ObservabilityIndex};
 /// relaxation, from sets that are best for smoother indices, and from random sets; then repeated with some members
 /// of the best set replaced at random; then every pose is moved freely inside the workspace.
 ///
-/// Of more than 5000 candidates those take part that would do most for a set that was found quickly; at the end all
+/// Of more than 10,000 candidates those take part that would do most for a set that was found quickly; at the end all
 /// candidates are looked at once more.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange {
@@ -38,7 +38,7 @@ impl Default for Exchange {
 /// Members that a round replaces.
 const REPLACED: usize = 4;
 /// So many more rounds where the candidates are few of a long list, and rounds are short.
-const MORE_ROUNDS: usize = 2;
+const MORE_ROUNDS: usize = 4;
 /// Passes over all members; exchanges end by themselves long before.
 const PASSES: usize = 200;
 

@@ -99,7 +99,7 @@ pub(super) fn relax_with(
     for _ in 0..PARTS {
         let stored = part_of(&part);
         let mut support = match &before {
-            Some((_, shares)) => Support::with_shares(&stored, fixed, count, within(&part, shares)),
+            Some((_, shares)) => Support::with_shares(&stored, fixed, count, &within(&part, shares)),
             None => Support::new(&stored, fixed, count)?,
         };
         let found = task.solve(&mut support, before.as_ref().map_or(0, |(found, _)| found.steps))?;

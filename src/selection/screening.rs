@@ -13,7 +13,7 @@ use super::{Problem, SelectionError};
 use crate::observability::{FastForm, O1, O3};
 
 /// Lists up to this length are searched as they are.
-pub(super) const WHOLE: usize = 5000;
+pub(super) const WHOLE: usize = 10_000;
 /// Candidates of the first, quick set.
 const DRAWN: usize = 2000;
 /// Candidates that are kept, and how many where each costs a decomposition.

@@ -48,16 +48,16 @@ impl<'a> Support<'a> {
             set.add(best.which);
         }
         let share = count as f64 / set.members().len() as f64;
-        let shares = set.members().iter().map(|k| (*k, share)).collect();
-        Some(Self::with_shares(pool, fixed, count, shares))
+        let shares: Vec<(usize, f64)> = set.members().iter().map(|k| (*k, share)).collect();
+        Some(Self::with_shares(pool, fixed, count, &shares))
     }
 
     /// Shares that were found before.
-    pub(super) fn with_shares(pool: &'a Pool, fixed: &DMatrix<f64>, count: usize, shares: Vec<(usize, f64)>) -> Self {
+    pub(super) fn with_shares(pool: &'a Pool, fixed: &DMatrix<f64>, count: usize, shares: &[(usize, f64)]) -> Self {
         let stored = fixed * pool.inverse_basis();
         let fixed = stored.transpose() * stored;
         let mut support = Self { pool, fixed, count, members: Vec::new(), shares: Vec::new(), rows: Vec::new() };
-        support.set_shares(&shares);
+        support.set_shares(shares);
         support
     }
 

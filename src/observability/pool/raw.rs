@@ -11,7 +11,7 @@ use crate::observability::kernel::{Dense, LANES, Lanes, Legs, PER_LEG, SLOTS};
 #[derive(Debug)]
 pub(super) enum Raw {
     /// Row `i` of `U` along the parameters of leg `i`, and `P`.
-    Legs { groups: Groups, data: Vec<Lanes> },
+    Legs { groups: Box<Groups>, data: Vec<Lanes> },
     /// White rows in full, along scaled parameters.
     Rows { parameters: usize, data: Vec<Lanes> },
 }
@@ -22,7 +22,7 @@ impl Raw {
         let parameters = blocks.first().map_or(0, |b| b.derivatives.ncols());
         let batches = expected.max(blocks.len()).div_ceil(LANES);
         match groups_of(blocks) {
-            Some(groups) => Self::Legs { groups, data: Vec::with_capacity(batches * Legs::ROWS) },
+            Some(groups) => Self::Legs { groups: Box::new(groups), data: Vec::with_capacity(batches * Legs::ROWS) },
             None => Self::Rows { parameters, data: Vec::with_capacity(batches * 6 * parameters) },
         }
     }
@@ -111,7 +111,7 @@ impl Raw {
                 }
             }
         }
-        Some(Coordinates { visible: visible.clone(), basis, inverse, groups: Some(*groups) })
+        Some(Coordinates { visible: visible.clone(), basis, inverse, groups: Some(**groups) })
     }
 
     /// The blocks in the coordinates of a pool, where they lie if they have the room.
@@ -150,7 +150,7 @@ impl Raw {
 /// Blocks in the coordinates of a pool that exists. `None` if there is none, or if they have another structure.
 pub(super) fn alike(coordinates: &Coordinates, blocks: &[Block]) -> Option<Stored> {
     let mut raw = match coordinates.groups {
-        Some(groups) => Raw::Legs { groups, data: Vec::new() },
+        Some(groups) => Raw::Legs { groups: Box::new(groups), data: Vec::new() },
         None => Raw::Rows { parameters: coordinates.visible.nrows(), data: Vec::new() },
     };
     if blocks.is_empty() || blocks.iter().any(|b| b.derivatives.ncols() != coordinates.visible.nrows()) {
