@@ -36,6 +36,7 @@ use nalgebra::DMatrix;
 
 pub use indices::{O1, O2, O3, O4, O5};
 pub use kernel::Extremes;
+pub(crate) use pool::PoolBuilder;
 pub use pool::{Block, Pool};
 pub use pose_error::PoseError;
 pub use pose_set::{Best, PoseSet};

@@ -21,14 +21,20 @@ pub(super) fn at_least_square(rows: DMatrix<f64>) -> DMatrix<f64> {
     if m < n { rows.resize_vertically(n, 0.0) } else { rows }
 }
 
-/// Turns `M⁻¹` into `(M ± JᵀJ)⁻¹` for six rows `J` (Sherman, Morrison and Woodbury). False, and nothing done, if a
-/// pivot of `I ± J M⁻¹ Jᵀ` is not above `smallest_pivot`: the result would be inaccurate.
-pub(crate) fn update_inverse(inverse: &mut DMatrix<f64>, rows: &DMatrix<f64>, sign: f64, smallest_pivot: f64) -> bool {
+/// Turns `M⁻¹` into `(M ± JᵀJ)⁻¹` for six rows `J` (Sherman, Morrison and Woodbury) and returns the logarithm of the ratio
+/// of the determinants of `M`. `None`, and nothing done, if a pivot of `I ± J M⁻¹ Jᵀ` is not above `smallest_pivot`: the
+/// result would be inaccurate.
+pub(crate) fn update_inverse(
+    inverse: &mut DMatrix<f64>,
+    rows: &DMatrix<f64>,
+    sign: f64,
+    smallest_pivot: f64,
+) -> Option<f64> {
     let across = &*inverse * rows.transpose();
     let middle = DMatrix::identity(6, 6) + rows * &across * sign;
     let accurate = |c: &Cholesky<f64, Dyn>| c.l_dirty().diagonal().min() > smallest_pivot.sqrt();
-    let Some(factor) = Cholesky::new(middle).filter(accurate) else { return false };
+    let factor = Cholesky::new(middle).filter(accurate)?;
     let solved = factor.solve(&across.transpose());
     inverse.gemm(-sign, &across, &solved, 1.0);
-    true
+    Some(factor.ln_determinant())
 }

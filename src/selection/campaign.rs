@@ -129,6 +129,11 @@ impl<'a> Campaign<'a> {
     /// # Errors
     /// [`Infeasible`] with the reason.
     pub fn feasible(&self, pose: &Pose) -> Result<Block, Infeasible> {
+        self.placed(pose).map(|(_, block)| block)
+    }
+
+    /// The joints of a pose that can be measured, and its block.
+    pub(super) fn placed(&self, pose: &Pose) -> Result<(Vec<f64>, Block), Infeasible> {
         let (joints, rows) = self.linearize(pose).map_err(|_| Infeasible::Unreachable)?;
         if !(rows.residual.amax() <= 1e-8 * self.size.max(1.0)) {
             return Err(Infeasible::Unreachable);
@@ -143,11 +148,11 @@ impl<'a> Campaign<'a> {
         for k in 3..6 {
             motion.column_mut(k).unscale_mut(self.size);
         }
-        let sigma = singular_values(motion);
-        if !(sigma.max() < WORST_CONDITION * sigma.min()) {
+        if !well_conditioned(motion) {
             return Err(Infeasible::IllConditioned);
         }
-        self.block_of(pose, &joints, &rows).map_err(|_| Infeasible::IllConditioned)
+        let block = self.block_of(pose, &joints, &rows).map_err(|_| Infeasible::IllConditioned)?;
+        Ok((joints, block))
     }
 
     /// The scaled block of a pose.
@@ -231,4 +236,18 @@ impl<'a> Campaign<'a> {
     pub fn convention(&self) -> &PoseConvention {
         &self.workspace.convention
     }
+}
+
+/// Whether the condition number is below the limit. It is at most `|A|_F |A⁻¹|_F`, which needs no decomposition and
+/// decides nearly every pose.
+fn well_conditioned(motion: DMatrix<f64>) -> bool {
+    if motion.shape() == (6, 6) {
+        let square: Matrix6<f64> = motion.fixed_view::<6, 6>(0, 0).into_owned();
+        // Far from the limit, so that rounding in the inverse cannot matter.
+        if square.try_inverse().is_some_and(|inverse| square.norm() * inverse.norm() < 0.5 * WORST_CONDITION) {
+            return true;
+        }
+    }
+    let sigma = singular_values(motion);
+    sigma.max() < WORST_CONDITION * sigma.min()
 }

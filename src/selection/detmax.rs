@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
 
-use super::{Choice, PoseSelector, Problem, SelectionError, Step};
+use super::{Choice, Numbered, PoseSelector, Problem, SelectionError, Step};
 use crate::observability::PoseSet;
 
 /// Adds the candidate that makes the index best, then removes the member that leaves it best; ends when both are the
@@ -29,6 +29,10 @@ impl PoseSelector for Detmax {
     }
 
     fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        self.select_numbered(problem).map(|found| found.choice)
+    }
+
+    fn select_numbered(&self, problem: &Problem<'_>) -> Result<Numbered, SelectionError> {
         let mut rng = ChaCha8Rng::seed_from_u64(problem.seed);
         let mut set = problem.set(&problem.start(&mut rng)?);
         let mut trace = vec![set.quick_value()];
@@ -40,7 +44,7 @@ impl PoseSelector for Detmax {
                 break;
             }
         }
-        Ok(Choice { poses: problem.poses(set.members()), iterations: trace.len() - 1, trace })
+        Ok(problem.choice_of(set.members(), trace))
     }
 }
 
@@ -74,6 +78,10 @@ impl PoseSelector for TabuDetmax {
     }
 
     fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        self.select_numbered(problem).map(|found| found.choice)
+    }
+
+    fn select_numbered(&self, problem: &Problem<'_>) -> Result<Numbered, SelectionError> {
         let mut rng = ChaCha8Rng::seed_from_u64(problem.seed);
         let start = problem.start(&mut rng)?;
         let mut set = problem.set(&start);
@@ -100,6 +108,6 @@ impl PoseSelector for TabuDetmax {
                 best = (value, set.members().to_vec());
             }
         }
-        Ok(Choice { poses: problem.poses(&best.1), iterations: trace.len() - 1, trace })
+        Ok(problem.choice_of(&best.1, trace))
     }
 }

@@ -9,12 +9,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::candidates::random_stream;
 use super::polish::polish;
 use super::relaxation::relax;
-use super::{Choice, PoseSelector, Problem, SelectionError, Step};
+use super::screening::{is_long, quick_set, settle, shortlist, support};
+use super::{Choice, Numbered, PoseSelector, Problem, SelectionError, Step};
 use crate::observability::{FastForm, O1, O5, ObservabilityIndex};
 
 /// Exchange of each member for the best candidate until none improves (Cook and Nachtsheim 1980), from the rounded
 /// relaxation, from sets that are best for smoother indices, and from random sets; then repeated with some members
 /// of the best set replaced at random; then every pose is moved freely inside the workspace.
+///
+/// Of more than 10,000 candidates those take part that would do most for a set that was found quickly; at the end all
+/// candidates are looked at once more.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange {
     /// Random sets to start from.
@@ -33,6 +37,8 @@ impl Default for Exchange {
 
 /// Members that a round replaces.
 const REPLACED: usize = 4;
+/// So many more rounds where the candidates are few of a long list, and rounds are short.
+const MORE_ROUNDS: usize = 4;
 /// Passes over all members; exchanges end by themselves long before.
 const PASSES: usize = 200;
 
@@ -46,7 +52,64 @@ impl PoseSelector for Exchange {
     }
 
     fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        self.select_numbered(problem).map(|found| found.choice)
+    }
+
+    fn select_numbered(&self, problem: &Problem<'_>) -> Result<Numbered, SelectionError> {
         problem.check()?;
+        let found = if is_long(problem) { self.screened(problem)? } else { self.search(problem)? };
+        Ok(self.finished(problem, found))
+    }
+}
+
+/// The best set of a search, and the best value after each of its steps.
+struct Searched {
+    value: f64,
+    members: Vec<usize>,
+    trace: Vec<f64>,
+}
+
+impl Exchange {
+    /// The choice when every candidate takes part in every exchange, however many there are: what the screening of
+    /// long lists is measured against.
+    ///
+    /// # Errors
+    /// [`SelectionError::TooFewCandidates`].
+    pub fn select_unscreened(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError> {
+        problem.check()?;
+        Ok(self.finished(problem, self.search(problem)?).choice)
+    }
+
+    /// Searches the most promising candidates of a long list, then the rest of it from where that ended.
+    fn screened(&self, problem: &Problem<'_>) -> Result<Searched, SelectionError> {
+        let mut numbers = shortlist(problem, &quick_set(problem)?);
+        numbers.extend(support(problem));
+        numbers.sort_unstable();
+        numbers.dedup();
+        let few = problem.candidates.only(&numbers);
+        let longer = Self { rounds: MORE_ROUNDS * self.rounds, ..*self };
+        let mut found = longer.search(&Problem { candidates: &few, ..*problem })?;
+        found.members.iter_mut().for_each(|k| *k = numbers[*k]);
+        let (value, members) = settle(problem, &found.members);
+        if problem.index.goal().better(value, found.value) {
+            (found.value, found.members) = (value, members);
+        }
+        found.trace.push(found.value);
+        Ok(found)
+    }
+
+    fn finished(&self, problem: &Problem<'_>, found: Searched) -> Numbered {
+        let mut numbered = problem.choice_of(&found.members, found.trace);
+        if self.polish {
+            let Numbered { choice, numbers } = &mut numbered;
+            choice.trace.push(polish(problem, &mut choice.poses, numbers));
+            choice.iterations += 1;
+        }
+        numbered
+    }
+
+    /// Exchanges from many starts among all candidates of a problem.
+    fn search(&self, problem: &Problem<'_>) -> Result<Searched, SelectionError> {
         // Indices whose scans need a decomposition get fewer of them.
         let costly = matches!(problem.index.fast(), FastForm::Extremes(_) | FastForm::HarmonicSum | FastForm::None);
         let (starts, rounds) =
@@ -87,16 +150,9 @@ impl PoseSelector for Exchange {
             }
             trace.push(best.0);
         }
-        let mut poses = problem.poses(&best.1);
-        if self.polish {
-            let value = polish(problem, &mut poses);
-            trace.push(value);
-        }
-        Ok(Choice { poses, iterations: trace.len() - 1, trace })
+        Ok(Searched { value: best.0, members: best.1, trace })
     }
-}
 
-impl Exchange {
     /// Starts that know something: the heaviest candidates of the relaxation, a greedy set, and for indices on which
     /// exchanges get stuck the best sets for O1 and O5.
     fn informed_starts(&self, problem: &Problem<'_>) -> Vec<Vec<usize>> {
@@ -143,7 +199,7 @@ fn shaken(problem: &Problem<'_>, members: &[usize], rng: &mut ChaCha8Rng) -> Vec
 }
 
 /// Exchanges members for better candidates until none is left.
-fn improve(problem: &Problem<'_>, members: &[usize]) -> (f64, Vec<usize>) {
+pub(super) fn improve(problem: &Problem<'_>, members: &[usize]) -> (f64, Vec<usize>) {
     let mut set = problem.set(members);
     for _ in 0..PASSES {
         let mut changed = false;

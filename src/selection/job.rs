@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::forecast::{Forecast, Forecaster};
-use super::relaxation::relax;
-use super::{Campaign, Candidates, PoseSelector, Problem, SelectionError, Sources, Step};
+use super::relaxation::relax_with;
+use super::{Campaign, Candidates, Numbered, PoseSelector, Problem, SelectionError, Sources, Step};
 use crate::observability::{DECIDED, Goal, ObservabilityIndex, PoseError, Spectrum};
 use crate::pose::Pose;
 
@@ -117,9 +117,10 @@ pub fn select_among(
         seed: plan.seed,
         watch: plan.watch,
     };
-    let choice = selector.select(&problem)?;
-    let value = problem.value_of(&choice.poses);
-    let bound = if with_bound { certify(&problem, &choice.poses) } else { None };
+    let found = selector.select_numbered(&problem)?;
+    let value = problem.value_of(&found.choice.poses);
+    let bound = if with_bound { certify(&problem, &found) } else { None };
+    let choice = found.choice;
     let efficiency = bound.map(|b| match index.goal() {
         Goal::Largest => value / b,
         Goal::Smallest => b / value,
@@ -174,18 +175,15 @@ fn pose_error(
     without.with_prior(prior)
 }
 
-/// The bound over the candidates and these poses.
-fn certify(problem: &Problem<'_>, poses: &[Pose]) -> Option<f64> {
-    let known = |pose: &Pose| problem.candidates.poses.contains(pose);
-    let moved: Vec<Pose> = poses.iter().filter(|p| !known(p)).copied().collect();
-    let fixed = problem.fixed_rows();
-    let bound = |candidates: &Candidates| {
-        relax(&candidates.pool, problem.index, &fixed, problem.given.len(), problem.count).map(|r| r.bound)
-    };
-    if moved.is_empty() {
-        return bound(problem.candidates);
-    }
-    let all = problem.candidates.with(problem.campaign, &moved)?;
-    // Fixed rows are along the directions that the candidates saw before; more poses of the same box see no others.
-    if all.pool.directions() == fixed.ncols() { bound(&all) } else { None }
+/// The bound over the candidates and those poses of a choice that are none of them.
+fn certify(problem: &Problem<'_>, found: &Numbered) -> Option<f64> {
+    let Numbered { choice, numbers } = found;
+    let known = |k: usize, pose: &Pose| numbers.get(k).copied().flatten().or_else(|| problem.candidates.at(pose));
+    let moved = choice.poses.iter().enumerate().filter(|(k, pose)| known(*k, pose).is_none());
+    let blocks = moved.map(|(_, pose)| problem.campaign.block(pose).ok()).collect::<Option<Vec<_>>>()?;
+    let pool = &problem.candidates.pool;
+    // More poses of the same box see no other directions than the candidates do.
+    let further = if blocks.is_empty() { None } else { Some(pool.alike(&blocks)?) };
+    let (fixed, given) = (problem.fixed_rows(), problem.given.len());
+    relax_with(pool, further.as_ref(), problem.index, &fixed, given, problem.count).map(|found| found.bound)
 }

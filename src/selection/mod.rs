@@ -15,11 +15,15 @@
 //! one-point exchange. The corners of the workspace matter more than the selector: most coordinates of good poses are
 //! at their limits, and a list of random poses has no such pose.
 //!
+//! Of a long list [`Exchange`] searches the part that would do most for a set that was found quickly, and looks at all
+//! of it once more at the end; the bound holds for all of it whatever was searched.
+//!
 //! [`select`] is the whole job: candidates, choice, bound, and a [`Forecast`] of what the calibration will be worth.
 //! [`how_many`] repeats it over the number of poses.
 
 mod campaign;
 mod candidates;
+mod criterion;
 mod detmax;
 mod error;
 mod exchange;
@@ -31,10 +35,11 @@ mod preview;
 mod problem;
 mod random;
 mod relaxation;
+mod screening;
 mod support;
 
 pub use campaign::{Campaign, Infeasible};
-pub use candidates::{Candidates, Sources};
+pub use candidates::{Candidates, Origin, Sources};
 pub use detmax::{Detmax, TabuDetmax};
 pub use error::SelectionError;
 pub use exchange::Exchange;
@@ -42,7 +47,7 @@ pub use forecast::{Forecast, Forecaster};
 pub use how_many::{MOST_POSES, Requirement, how_many, smallest_number};
 pub use job::{ChosenSet, Objective, SelectionTask, select, select_among};
 pub use preview::{Preview, preview};
-pub use problem::{Choice, PoseSelector, Problem, Step};
+pub use problem::{Choice, Numbered, PoseSelector, Problem, Step};
 pub use random::Random;
 pub use relaxation::{Relaxation, relax};
 

@@ -19,8 +19,8 @@ const WORTH_IT: f64 = 1e-7;
 const APART: f64 = 0.05;
 
 /// Moves each pose along the coordinates of the workspace as long as the index gets better and the pose stays
-/// feasible (a compass search); returns the value. Never makes the index worse.
-pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
+/// feasible (a compass search); returns the value. Never makes the index worse. A pose that was moved loses its number.
+pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose], numbers: &mut [Option<usize>]) -> f64 {
     let workspace = &problem.campaign.workspace;
     let costly = !matches!(problem.index.fast(), FastForm::Determinant | FastForm::Trace(_));
     let (passes, smallest) = if costly { (3, 1.0 / 32.0) } else { (PASSES, SMALLEST_STEP) };
@@ -48,7 +48,7 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose]) -> f64 {
                         let pose = problem.campaign.consistent(&workspace.pose(&next));
                         let Ok(block) = problem.campaign.feasible(&pose) else { continue };
                         if let Some(score) = rest.score(problem, &block).filter(|s| *s > best + 1e-12 * best.abs()) {
-                            (best, u, poses[k]) = (score, next, pose);
+                            (best, u, poses[k], numbers[k]) = (score, next, pose, None);
                             moved = true;
                         }
                     }

@@ -50,6 +50,15 @@ pub struct Choice {
     pub trace: Vec<f64>,
 }
 
+/// A choice, and which candidates it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbered {
+    /// The choice.
+    pub choice: Choice,
+    /// For each of its poses the number of the candidate that it is; `None` if it was moved off the candidates.
+    pub numbers: Vec<Option<usize>>,
+}
+
 /// A way to choose poses.
 pub trait PoseSelector: Debug + Send + Sync {
     /// Name on the command line and in results.
@@ -66,6 +75,17 @@ pub trait PoseSelector: Debug + Send + Sync {
     /// # Errors
     /// [`SelectionError`] if there are too few candidates.
     fn select(&self, problem: &Problem<'_>) -> Result<Choice, SelectionError>;
+
+    /// The same choice with the number of the candidate that each pose is. Those of a selector that does not keep them
+    /// are looked up by place.
+    ///
+    /// # Errors
+    /// Those of [`select`](Self::select).
+    fn select_numbered(&self, problem: &Problem<'_>) -> Result<Numbered, SelectionError> {
+        let choice = self.select(problem)?;
+        let numbers = choice.poses.iter().map(|pose| problem.candidates.at(pose)).collect();
+        Ok(Numbered { choice, numbers })
+    }
 }
 
 impl<'a> Problem<'a> {
@@ -137,6 +157,13 @@ impl<'a> Problem<'a> {
     /// Rows that belong to every set, as [`relax`](super::relax) wants them: those of the given poses and of the prior.
     pub fn fixed_rows(&self) -> DMatrix<f64> {
         stacked(self.given, self.candidates.pool.directions(), self.index.prior())
+    }
+
+    /// The choice of these candidates, after a search with this trace of values: its first and one for each iteration.
+    pub fn choice_of(&self, members: &[usize], trace: Vec<f64>) -> Numbered {
+        let iterations = trace.len().saturating_sub(1);
+        let choice = Choice { poses: self.poses(members), iterations, trace };
+        Numbered { choice, numbers: members.iter().copied().map(Some).collect() }
     }
 
     /// The poses of candidates.

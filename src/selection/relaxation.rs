@@ -18,12 +18,17 @@
 //! | O5 | `-tr M^-½` | `½ M^-³ᐟ²` |
 //! | pose error | `-tr(G M⁻¹)` | `M⁻¹ G M⁻¹` |
 //! | O3 | `λ_min(M) ≤ tr(Z M)` for every `Z ⪰ 0`, `tr Z = 1` | `Z ∝ M^-(p+1)` with growing `p` |
+//!
+//! Of a long list few candidates ever get a share. The shares are then found over a part of it, the certificate is
+//! taken over all of it, and the candidates with the largest `dₖ` join the part, until the certificate over all is that
+//! over the part (column generation).
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
+use super::criterion::{Criterion, ROUNDING, Spread, Tangent};
+use super::screening::{WHOLE, strongest};
 use super::support::Support;
-use crate::observability::{FastForm, ObservabilityIndex, Pool};
-use crate::solve::svd;
+use crate::observability::{ObservabilityIndex, Pool};
 
 /// Shares of candidates, and what they prove.
 #[derive(Clone, Debug)]
@@ -43,8 +48,14 @@ const GAP: f64 = 2e-6;
 const STEPS: usize = 800;
 /// Largest power with which O3 is approached.
 const LARGEST_POWER: f64 = 150.0;
-/// Room for the rounding of the certificate itself.
-const ROUNDING: f64 = 1e-9;
+
+/// Candidates of the first part of a long list, and how many of the others join it after each look at all of them.
+const PART: usize = 2500;
+const JOINING: usize = 500;
+/// Looks at all candidates, of which few are needed.
+const PARTS: usize = 25;
+/// The certificates over a part and over all candidates count as the same.
+const SAME: f64 = 1e-9;
 
 /// The bound of `index` over all sets of `count` candidates beside the `fixed` rows (m × L') of `fixed_poses` poses and
 /// of a prior. `None` for indices without a concave criterion: O2, O4, and a consumer's own.
@@ -55,143 +66,153 @@ pub fn relax(
     fixed_poses: usize,
     count: usize,
 ) -> Option<Relaxation> {
-    let criterion = match index.fast() {
-        FastForm::Determinant => Criterion::Determinant,
-        FastForm::HarmonicSum => Criterion::Harmonic,
-        FastForm::Trace(gain) => Criterion::Trace(gain),
-        FastForm::Extremes(e) if !e.over_largest && e.smallest == 1 => Criterion::Smallest,
-        _ => return None,
+    relax_with(pool, None, index, fixed, fixed_poses, count)
+}
+
+/// The same over a pool and further candidates in its coordinates, which are numbered behind those of the pool.
+pub(super) fn relax_with(
+    pool: &Pool,
+    further: Option<&Pool>,
+    index: &dyn ObservabilityIndex,
+    fixed: &DMatrix<f64>,
+    fixed_poses: usize,
+    count: usize,
+) -> Option<Relaxation> {
+    let criterion = Criterion::of(index)?;
+    let task = Task { criterion, fixed, poses: count + fixed_poses };
+    let own = pool.len();
+    let all = own + further.map_or(0, Pool::len);
+    let part_of = |members: &[usize]| match further {
+        Some(further) => pool.joined(further, members),
+        None => pool.only(members),
     };
-    let mut support = Support::new(pool, fixed, count)?;
-    let free_scale = fixed.nrows() == 0;
-    let volume = support.maximise_volume(GAP);
-    let (best, iterations) = match criterion {
-        Criterion::Determinant => {
-            let l = pool.directions() as f64;
-            let determinant = if free_scale {
-                volume.log_determinant + l * (volume.top / l).ln()
-            } else {
-                volume.log_determinant + volume.top - volume.within
-            };
-            let raw = determinant + 2.0 * pool.log_volume();
-            ((raw / (2.0 * l)).exp() / ((count + fixed_poses) as f64).sqrt() * (1.0 + ROUNDING), volume.steps)
+    if all <= WHOLE.max(2 * count) {
+        let joined = further.map(|_| part_of(&(0..all).collect::<Vec<_>>()));
+        let mut support = Support::new(joined.as_ref().unwrap_or(pool), fixed, count)?;
+        let found = task.solve(&mut support, 0)?;
+        return Some(Relaxation { shares: support.shares(), bound: found.bound, iterations: found.steps });
+    }
+    let size = PART.max(2 * count);
+    let mut part: Vec<usize> = (0..own).step_by(own.div_ceil(size)).chain(own..all).collect();
+    let mut best: Option<Relaxation> = None;
+    let mut before: Option<(Found, Vec<(usize, f64)>)> = None;
+    for _ in 0..PARTS {
+        let stored = part_of(&part);
+        let mut support = match &before {
+            Some((_, shares)) => Support::with_shares(&stored, fixed, count, &within(&part, shares)),
+            None => Support::new(&stored, fixed, count)?,
+        };
+        let found = task.solve(&mut support, before.as_ref().map_or(0, |(found, _)| found.steps))?;
+        let tangent = task.criterion.tangent(&support, found.power)?;
+        let mut d = pool.directional(&tangent.phi);
+        d.extend(further.iter().flat_map(|f| f.directional(&tangent.phi)));
+        let shares: Vec<(usize, f64)> = support.shares().into_iter().map(|(k, x)| (part[k], x)).collect();
+        let bound = task.bound(&tangent, &support, &Spread::of(&d, &shares, count));
+        if best.as_ref().is_none_or(|b| task.criterion.tighter(bound, b.bound)) {
+            best = Some(Relaxation { shares: shares.clone(), bound, iterations: found.steps });
         }
-        _ => approach(&mut support, &criterion, free_scale, volume.steps),
-    };
-    best.is_finite().then(|| Relaxation { shares: support.shares(), bound: best, iterations })
-}
-
-enum Criterion<'a> {
-    Determinant,
-    Harmonic,
-    Trace(&'a DMatrix<f64>),
-    Smallest,
-}
-
-/// A matrix `Φ` in stored coordinates, and what the index is at `M(x)`.
-struct Tangent {
-    phi: DMatrix<f64>,
-    /// `tr M^-½`, `tr G M⁻¹` or unused.
-    now: f64,
-}
-
-impl Criterion<'_> {
-    fn tangent(&self, support: &Support<'_>, power: f64) -> Option<Tangent> {
-        let (m, basis) = (support.information(), &support.pool.basis());
-        let factor = Cholesky::new(m.clone())?;
-        match self {
-            Criterion::Determinant => Some(Tangent { phi: factor.inverse(), now: 0.0 }),
-            Criterion::Trace(gain) => {
-                let onto = support.pool.inverse_basis() * factor.inverse();
-                let phi = onto.transpose() * *gain * &onto;
-                let now = (&phi * &m).trace();
-                Some(Tangent { phi, now })
-            }
-            Criterion::Harmonic | Criterion::Smallest => {
-                // M = Wᵀ M_w W = (Lᵀ W)ᵀ (Lᵀ W): singular values of a factor keep the small ones.
-                let svd = svd(factor.l().transpose() * *basis, false, true);
-                let onto = *basis * svd.v_t?.transpose();
-                let smallest = svd.singular_values.min();
-                let weights = match self {
-                    Criterion::Harmonic => svd.singular_values.map(|s| s.powi(-3)),
-                    _ => {
-                        let relative = svd.singular_values.map(|s| (s / smallest).powf(-2.0 * (power + 1.0)));
-                        let sum = relative.sum();
-                        relative / sum
-                    }
-                };
-                let mut weighted = onto.clone();
-                for (mut column, w) in weighted.column_iter_mut().zip(weights.iter()) {
-                    column.scale_mut(*w);
-                }
-                let now = svd.singular_values.iter().map(|s| 1.0 / s).sum();
-                Some(Tangent { phi: weighted * onto.transpose(), now })
-            }
+        if (bound - found.bound).abs() <= SAME * bound.abs() {
+            break;
         }
+        part = match &before {
+            // The first part was taken blindly.
+            None => strongest(&d, size, shares.iter().map(|(k, _)| *k)),
+            Some(_) => strongest(&d, JOINING.max(2 * count), part),
+        };
+        before = Some((found, shares));
+    }
+    best.filter(|b| b.bound.is_finite())
+}
+
+/// Shares with the places of their candidates in a part, which has all of them in order.
+fn within(part: &[usize], shares: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    shares.iter().filter_map(|(k, x)| Some((part.binary_search(k).ok()?, *x))).collect()
+}
+
+/// What is relaxed, over whatever candidates.
+struct Task<'a> {
+    criterion: Criterion<'a>,
+    fixed: &'a DMatrix<f64>,
+    /// Poses in all.
+    poses: usize,
+}
+
+/// Where the shares of a support came to rest, and the certificate over its candidates.
+struct Found {
+    bound: f64,
+    /// Power of the tangent that gave it.
+    power: f64,
+    steps: usize,
+}
+
+impl Task<'_> {
+    fn free_scale(&self) -> bool {
+        self.fixed.nrows() == 0
+    }
+
+    /// Improves the shares of a support until the certificate over its candidates is tight, after so many steps before.
+    /// Every criterion starts from the volume: from the shares of another it is slow.
+    fn solve(&self, support: &mut Support<'_>, before: usize) -> Option<Found> {
+        let volume = support.maximise_volume(GAP);
+        let steps = before + volume.steps;
+        let found = if matches!(self.criterion, Criterion::Determinant) {
+            let spread = Spread { top: volume.top, within: volume.within };
+            Found { bound: self.volume_bound(support, volume.log_determinant, &spread), power: 1.0, steps }
+        } else {
+            self.approach(support, steps)
+        };
+        found.bound.is_finite().then_some(found)
     }
 
     /// The bound that a tangent proves, from sums of `d`.
-    fn bound(&self, tangent: &Tangent, support: &Support<'_>, d: &Spread, free_scale: bool) -> f64 {
-        match self {
-            Criterion::Determinant => f64::INFINITY,
-            // Here d belongs to M^-3/2, twice the gradient.
-            Criterion::Harmonic if free_scale => d.top.sqrt() / tangent.now.powf(1.5) * (1.0 + ROUNDING),
-            Criterion::Harmonic => {
-                let least = tangent.now - 0.5 * (d.top - d.within);
-                if least > 0.0 { (1.0 + ROUNDING) / least } else { f64::INFINITY }
-            }
-            Criterion::Trace(_) if free_scale => tangent.now / d.top.sqrt() * (1.0 - ROUNDING),
-            Criterion::Trace(_) => (tangent.now - (d.top - d.within)).max(0.0).sqrt() * (1.0 - ROUNDING),
-            Criterion::Smallest => ((&tangent.phi * support.fixed()).trace() + d.top).sqrt() * (1.0 + ROUNDING),
+    fn bound(&self, tangent: &Tangent, support: &Support<'_>, d: &Spread) -> f64 {
+        match self.criterion {
+            Criterion::Determinant => self.volume_bound(support, tangent.now, d),
+            _ => self.criterion.bound(tangent, support, d, self.free_scale()),
         }
     }
 
-    fn tighter(&self, a: f64, b: f64) -> bool {
-        if matches!(self, Criterion::Trace(_)) { a > b } else { a < b }
+    fn volume_bound(&self, support: &Support<'_>, log_determinant: f64, d: &Spread) -> f64 {
+        let l = support.pool.directions() as f64;
+        let determinant =
+            if self.free_scale() { log_determinant + l * (d.top / l).ln() } else { log_determinant + d.top - d.within };
+        let raw = determinant + 2.0 * support.pool.log_volume();
+        (raw / (2.0 * l)).exp() / (self.poses as f64).sqrt() * (1.0 + ROUNDING)
     }
-}
 
-/// The sum of the `m` largest `d`, and `Σ x d`.
-pub(super) struct Spread {
-    pub(super) top: f64,
-    pub(super) within: f64,
-}
-
-/// Multiplicative steps `x ← x d^γ` (Silvey, Titterington and Torsney 1978), with the best candidate let in at each.
-fn approach(support: &mut Support<'_>, criterion: &Criterion<'_>, free_scale: bool, before: usize) -> (f64, usize) {
-    let worst = if matches!(criterion, Criterion::Trace(_)) { 0.0 } else { f64::INFINITY };
-    let mut best = (worst, support.shares());
-    let mut steps = before;
-    let mut power: f64 = match criterion {
-        Criterion::Trace(_) => 1.0,
-        Criterion::Harmonic => 0.5,
-        _ => 1.0,
-    };
-    let mut since = 0;
-    for _ in 0..STEPS {
-        let Some(tangent) = criterion.tangent(support, power) else { break };
-        let d = support.directional(&tangent.phi);
-        let spread = support.spread(&d);
-        let bound = criterion.bound(&tangent, support, &spread, free_scale);
-        since += 1;
-        if criterion.tighter(bound, best.0) {
-            if (bound / best.0 - 1.0).abs() > 1e-5 || best.0 == 0.0 {
-                since = 0;
+    /// Multiplicative steps `x ← x d^γ` (Silvey, Titterington and Torsney 1978), with the best candidate let in at each.
+    fn approach(&self, support: &mut Support<'_>, before: usize) -> Found {
+        let criterion = &self.criterion;
+        let worst = if matches!(criterion, Criterion::Trace(_)) { 0.0 } else { f64::INFINITY };
+        let mut best = (worst, support.shares(), 1.0);
+        let mut steps = before;
+        let mut power: f64 = if matches!(criterion, Criterion::Harmonic) { 0.5 } else { 1.0 };
+        let mut since = 0;
+        for _ in 0..STEPS {
+            let Some(tangent) = criterion.tangent(support, power) else { break };
+            let d = support.directional(&tangent.phi);
+            let spread = support.spread(&d);
+            let bound = criterion.bound(&tangent, support, &spread, self.free_scale());
+            since += 1;
+            if criterion.tighter(bound, best.0) {
+                if (bound / best.0 - 1.0).abs() > 1e-5 || best.0 == 0.0 {
+                    since = 0;
+                }
+                best = (bound, support.shares(), power);
             }
-            best = (bound, support.shares());
-        }
-        steps += 1;
-        let gap = spread.top / spread.within - 1.0;
-        if matches!(criterion, Criterion::Smallest) {
-            if since > 40 && power >= LARGEST_POWER {
+            steps += 1;
+            let gap = spread.top / spread.within - 1.0;
+            if matches!(criterion, Criterion::Smallest) {
+                if since > 40 && power >= LARGEST_POWER {
+                    break;
+                }
+                power = (power * 1.03).min(LARGEST_POWER);
+            } else if gap < 1e-5 || since > 150 {
                 break;
             }
-            power = (power * 1.03).min(LARGEST_POWER);
-        } else if gap < 1e-5 || since > 150 {
-            break;
+            support.multiply(&d, 1.0 / (power + 1.0));
         }
-        support.multiply(&d, 1.0 / (power + 1.0));
+        support.set_shares(&best.1);
+        Found { bound: best.0, power: best.2, steps }
     }
-    support.set_shares(&best.1);
-    (best.0, steps)
 }

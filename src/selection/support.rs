@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::relaxation::Spread;
+use super::criterion::Spread;
 use crate::observability::{O1, Pool, PoseSet, update_inverse};
 use crate::solve::symmetric_eigen;
 
@@ -41,17 +41,24 @@ impl<'a> Support<'a> {
             return None;
         }
         let directions = pool.directions();
-        let stored = fixed * pool.inverse_basis();
         let mut set = PoseSet::new(pool, &O1, &[], &[]);
         let enough = (directions.div_ceil(6) * 2 + 4).max(count + count / 4).min(pool.len());
         while set.members().len() < enough || set.is_singular() {
             let best = set.best_addition()?;
             set.add(best.which);
         }
-        let members = set.members().to_vec();
-        let rows = members.iter().map(|k| pool.stored(*k)).collect();
-        let shares = vec![count as f64 / members.len() as f64; members.len()];
-        Some(Self { pool, fixed: stored.transpose() * stored, count, members, shares, rows })
+        let share = count as f64 / set.members().len() as f64;
+        let shares: Vec<(usize, f64)> = set.members().iter().map(|k| (*k, share)).collect();
+        Some(Self::with_shares(pool, fixed, count, &shares))
+    }
+
+    /// Shares that were found before.
+    pub(super) fn with_shares(pool: &'a Pool, fixed: &DMatrix<f64>, count: usize, shares: &[(usize, f64)]) -> Self {
+        let stored = fixed * pool.inverse_basis();
+        let fixed = stored.transpose() * stored;
+        let mut support = Self { pool, fixed, count, members: Vec::new(), shares: Vec::new(), rows: Vec::new() };
+        support.set_shares(shares);
+        support
     }
 
     /// `M₀`.
@@ -87,12 +94,7 @@ impl<'a> Support<'a> {
 
     /// The sums that make the certificate.
     pub(super) fn spread(&self, d: &[f64]) -> Spread {
-        let within = self.members.iter().zip(&self.shares).map(|(k, x)| d[*k] * x).sum();
-        let mut sorted = d.to_vec();
-        if self.count < sorted.len() {
-            sorted.select_nth_unstable_by(self.count - 1, |a, b| b.total_cmp(a));
-        }
-        Spread { top: sorted[..self.count].iter().sum(), within }
+        Spread::of(d, &self.shares(), self.count)
     }
 
     /// Candidates outside with the largest `d`, in order of their number.
@@ -187,7 +189,7 @@ impl<'a> Support<'a> {
             self.shares[from] = if t == self.shares[from] { 0.0 } else { self.shares[from] - t };
             for (which, sign) in [(to, 1.0), (from, -1.0)] {
                 let rows = &self.rows[which] * t.sqrt();
-                if !update_inverse(&mut inverse, &rows, sign, 0.0) {
+                if update_inverse(&mut inverse, &rows, sign, 0.0).is_none() {
                     return step + 1;
                 }
             }

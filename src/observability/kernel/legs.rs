@@ -4,11 +4,12 @@
 //! stand next to those of `P` that belong to it, so that a scan reads memory from front to back. Rows of `U` and `P`
 //! are scaled so that `P` has equal diagonal entries and `det P = 1`, which changes no score.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix6};
 use pulp::Simd;
 
 use super::Layout;
-use super::lanes::{Lanes, Sym, Two, at, load, load_two};
+use super::lanes::{LANES, Lanes, Sym, Two, at, load, load_two};
+use super::update::LegBlock;
 
 /// Parameters of a leg.
 pub(in super::super) const PER_LEG: usize = 7;
@@ -43,6 +44,14 @@ impl Legs {
     pub(in super::super) const fn p_row(i: usize, j: usize) -> usize {
         first(i) + PER_LEG + j
     }
+
+    /// The block of candidate `k`.
+    pub(in super::super) fn block(&self, k: usize) -> LegBlock {
+        let (batch, lane) = (k / LANES, k % LANES);
+        let rows = &self.data[batch * ROWS..(batch + 1) * ROWS];
+        let u = std::array::from_fn(|leg| std::array::from_fn(|p| rows[Self::u_row(leg, p)][lane]));
+        LegBlock { u, p: Matrix6::from_fn(|i, j| rows[Self::p_row(i.max(j), i.min(j))][lane]) }
+    }
 }
 
 impl Layout for Legs {
@@ -61,13 +70,16 @@ impl Layout for Legs {
     /// Blocks (i, j) for `j = 0..6`, `i ≤ j`, row-major. Of a diagonal block the upper triangle, doubled off the
     /// diagonal: the other half of the sum.
     fn pack(&self, a: &DMatrix<f64>) -> Vec<f64> {
-        let mut packed = Vec::with_capacity(21 * BLOCK);
-        for j in 0..LEGS {
+        let mut packed = vec![0.0; 21 * BLOCK];
+        let mut blocks = packed.as_chunks_mut::<BLOCK>().0.iter_mut();
+        let (columns, _) = a.as_slice().as_chunks::<SLOTS>();
+        for (j, columns) in columns.chunks_exact(PER_LEG).enumerate() {
             for i in 0..=j {
-                for p in 0..PER_LEG {
-                    for q in 0..PER_LEG {
-                        let value = a[(PER_LEG * i + p, PER_LEG * j + q)];
-                        packed.push(if i < j || p == q { value } else { 2.0 * value });
+                let Some(block) = blocks.next() else { return packed };
+                for (q, column) in columns.iter().enumerate() {
+                    for p in 0..PER_LEG {
+                        let value = column[PER_LEG * i + p];
+                        block[PER_LEG * p + q] = if i < j || p == q { value } else { 2.0 * value };
                     }
                 }
             }

@@ -28,6 +28,7 @@ mod harmonic;
 mod lanes;
 mod legs;
 mod trace;
+mod update;
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -40,6 +41,7 @@ pub(super) use harmonic::harmonic;
 pub(super) use lanes::{LANES, Lanes};
 pub(super) use legs::{Legs, PER_LEG, SLOTS};
 pub(super) use trace::{gradient, trace};
+pub(super) use update::{LegBlock, update_legs};
 
 use lanes::{Sym, Two};
 

@@ -43,11 +43,10 @@ pub(super) fn groups_of(blocks: &[Block]) -> Option<Groups> {
     Some(out)
 }
 
-/// Orthonormal basis of the row space of all blocks; the identity if they see everything.
-pub(super) fn visible_directions(blocks: &[Block]) -> Option<DMatrix<f64>> {
-    let parameters = blocks.first()?.derivatives.ncols();
-    let blocks = blocks.iter().map(Block::rows).collect::<Option<Vec<_>>>()?;
-    let mut r = at_least_square(stacked(&blocks, parameters, false)).qr().r();
+/// Orthonormal basis of the row space of blocks of rows (6 × L); the identity if they see everything.
+pub(super) fn visible_directions(blocks: &[DMatrix<f64>]) -> Option<DMatrix<f64>> {
+    let parameters = blocks.first()?.ncols();
+    let mut r = at_least_square(stacked(blocks, parameters, false)).qr().r();
     let lengths: Vec<f64> = r.column_iter().map(|c| c.norm()).collect();
     for (mut column, length) in r.column_iter_mut().zip(&lengths) {
         column.unscale_mut(if *length > 0.0 { *length } else { 1.0 });

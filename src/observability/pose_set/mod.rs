@@ -4,7 +4,7 @@ mod best;
 mod scoring;
 mod state;
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 use super::kernel::{LANES, Lanes};
 use super::pool::Stored;
@@ -117,10 +117,10 @@ impl<'a> PoseSet<'a> {
         self.refresh();
         match (&self.state, self.index.fast()) {
             // With a ridge the factors are those of another set.
-            (State::Determinant { information, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
-                let Some(factor) = Cholesky::new(information.clone()) else { return self.value() };
-                let mean = (0.5 * factor.ln_determinant() + self.log_volume) / information.nrows() as f64;
-                let values = vec![mean.exp(); information.nrows()];
+            (State::Determinant { log_determinant, ridged: false, .. }, _) if self.index.goal() == Goal::Largest => {
+                let directions = self.pool.directions();
+                let mean = (0.5 * log_determinant + self.log_volume) / directions as f64;
+                let values = vec![mean.exp(); directions];
                 self.index.value(&Spectrum { values, directions: DMatrix::zeros(0, 0), poses: self.poses() })
             }
             (State::Spectral { spectrum, .. }, _) => self.index.value(spectrum),
@@ -137,14 +137,18 @@ impl<'a> PoseSet<'a> {
     pub fn best_addition(&mut self) -> Option<Best> {
         self.refresh();
         let mut scores = std::mem::take(&mut self.scores);
-        match (&self.pool.layout, self.exact_scores_only()) {
-            (_, true) => self.slow_additions(&mut scores),
-            (Stored::Legs(legs), _) => self.scan(legs, 1.0, &self.open, &mut scores),
-            (Stored::Dense(dense), _) => self.scan(dense, 1.0, &self.open, &mut scores),
-        }
+        self.scan_additions(&mut scores);
         self.scores = scores;
         self.sharpen();
         best_open(&self.scores, &self.open)
+    }
+
+    fn scan_additions(&self, scores: &mut [Lanes]) {
+        match (&self.pool.layout, self.exact_scores_only()) {
+            (_, true) => self.slow_additions(scores),
+            (Stored::Legs(legs), _) => self.scan(legs, 1.0, &self.open, scores),
+            (Stored::Dense(dense), _) => self.scan(dense, 1.0, &self.open, scores),
+        }
     }
 
     /// Score of a candidate in the last scan of additions.
@@ -225,6 +229,6 @@ impl<'a> PoseSet<'a> {
     }
 
     fn fixed_stored(&self) -> DMatrix<f64> {
-        &self.fixed * &self.pool.inverse
+        &self.fixed * &self.pool.coordinates.inverse
     }
 }

@@ -7,10 +7,12 @@ use super::PoseSet;
 use super::best::best_open;
 use super::state::State;
 use crate::observability::kernel::{self, LANES, Lanes};
-use crate::observability::{FastForm, Spectrum};
+use crate::observability::{Extremes, FastForm, Spectrum};
 
 /// Error of the quadrature behind O5, in parts of the change.
 pub(super) const QUADRATURE: f64 = 1e-4;
+/// Power with which eigenvalues beside an extreme one count in its stand-in: the larger, the fewer of them do.
+const SMOOTHED: f64 = 3.0;
 
 impl PoseSet<'_> {
     /// Scores of all candidates of a layout, larger is better.
@@ -32,6 +34,24 @@ impl PoseSet<'_> {
             }
             (State::Stale, _) => {}
         }
+    }
+
+    /// What each candidate would do for the set, the larger the better, for ranking many of them; 0 for members. It is
+    /// the score of a scan, within the error of the quadrature for O5. For indices of extreme singular values, whose
+    /// scans tell only the best candidates apart, it is the derivative of their logarithm along `JᵀJ`, in which the
+    /// neighbours of the extreme eigenvalues count too.
+    pub(crate) fn gains(&mut self) -> Vec<f64> {
+        self.refresh();
+        if let (State::Spectral { spectrum, rotation, .. }, FastForm::Extremes(index)) =
+            (&self.state, self.index.fast())
+        {
+            let squares: Vec<f64> = spectrum.values.iter().map(|s| s * s).collect();
+            return self.pool.directional(&smoothed(&squares, rotation, index));
+        }
+        let mut scores = std::mem::take(&mut self.scores);
+        self.scan_additions(&mut scores);
+        self.scores = scores;
+        self.scores.iter().flatten().copied().take(self.pool.len()).collect()
     }
 
     /// Replaces the scores of O5 within the error of the quadrature by exact ones.
@@ -90,4 +110,20 @@ impl PoseSet<'_> {
 
 fn negate(scores: &mut [Lanes]) {
     scores.iter_mut().flatten().for_each(|v| *v = -*v);
+}
+
+/// Derivative of `ln σ_L^p/σ₁^q` with respect to `JᵀJ`, in the coordinates of `rotation`, with smoothed extremes.
+/// `squares` are the eigenvalues, descending.
+fn smoothed(squares: &[f64], rotation: &DMatrix<f64>, index: Extremes) -> DMatrix<f64> {
+    let (largest, smallest) = (squares[0], squares[squares.len() - 1].max(squares[0] * f64::EPSILON));
+    let low: Vec<f64> = squares.iter().map(|s| (s.max(smallest) / smallest).powf(-SMOOTHED)).collect();
+    let high: Vec<f64> = squares.iter().map(|s| (s / largest).powf(SMOOTHED)).collect();
+    let (low_sum, high_sum): (f64, f64) = (low.iter().sum(), high.iter().sum());
+    let divided = if index.over_largest { 0.5 / (high_sum * largest) } else { 0.0 };
+    let gained = 0.5 * f64::from(index.smallest) / (low_sum * smallest);
+    let mut weighted = rotation.clone();
+    for (k, mut column) in weighted.column_iter_mut().enumerate() {
+        column.scale_mut(gained * low[k] - divided * high[k]);
+    }
+    weighted * rotation.transpose()
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix};
 
 use super::PoseSet;
-use crate::observability::{FastForm, Spectrum, update_inverse};
+use crate::observability::{FastForm, Spectrum};
 
 /// Rank-six updates of an inverse until it is computed afresh; its error is then about 1e-10.
 const REFRESH: usize = 64;
@@ -23,9 +23,22 @@ pub(super) const SINGULAR: f64 = 1e-14;
 /// State of a set for its current members.
 pub(super) enum State {
     Stale,
-    Determinant { information: DMatrix<f64>, inverse: DMatrix<f64>, ridged: bool, updates: usize },
-    Trace { inverse: DMatrix<f64>, middle: DMatrix<f64> },
-    Spectral { spectrum: Spectrum, lambda: Vec<f64>, rotation: DMatrix<f64> },
+    /// `log_determinant` is that of `M` in stored coordinates.
+    Determinant {
+        inverse: DMatrix<f64>,
+        log_determinant: f64,
+        ridged: bool,
+        updates: usize,
+    },
+    Trace {
+        inverse: DMatrix<f64>,
+        middle: DMatrix<f64>,
+    },
+    Spectral {
+        spectrum: Spectrum,
+        lambda: Vec<f64>,
+        rotation: DMatrix<f64>,
+    },
 }
 
 /// What is added to all eigenvalues of a set that does not determine everything: little beside those that it has, and
@@ -54,12 +67,12 @@ impl PoseSet<'_> {
         }
         self.state = match self.index.fast() {
             FastForm::Determinant => {
-                let (information, inverse, ridged) = self.information();
-                State::Determinant { information, inverse, ridged, updates: 0 }
+                let (inverse, log_determinant, ridged) = self.inverse_information();
+                State::Determinant { inverse, log_determinant, ridged, updates: 0 }
             }
             FastForm::Trace(gain) => {
-                let (_, inverse, _) = self.information();
-                let onto = &self.pool.inverse * &inverse;
+                let (inverse, ..) = self.inverse_information();
+                let onto = &self.pool.coordinates.inverse * &inverse;
                 let middle = onto.transpose() * gain * onto;
                 State::Trace { inverse, middle }
             }
@@ -67,51 +80,51 @@ impl PoseSet<'_> {
                 let spectrum = Spectrum::of(&self.rows(), self.poses(), true);
                 let floor = floor(&spectrum.values);
                 let lambda: Vec<f64> = spectrum.values.iter().map(|s| s * s + floor).collect();
-                let rotation = &self.pool.basis * &spectrum.directions;
+                let rotation = &self.pool.coordinates.basis * &spectrum.directions;
                 State::Spectral { spectrum, lambda, rotation }
             }
         };
     }
 
-    /// `M` in stored coordinates, its inverse, and whether a ridge was needed.
-    fn information(&self) -> (DMatrix<f64>, DMatrix<f64>, bool) {
+    /// The inverse of `M` in stored coordinates, `ln det M`, and whether a ridge was needed.
+    fn inverse_information(&self) -> (DMatrix<f64>, f64, bool) {
         let rows = self.stacked(|k| self.pool.stored(k), &self.fixed_stored(), None);
         let mut m = rows.transpose() * &rows;
         let n = m.nrows();
         let regular = |m: &DMatrix<f64>| {
             let factor = Cholesky::new(m.clone())?;
             let pivots = factor.l_dirty().diagonal();
-            (pivots.min() > SINGULAR.sqrt() * pivots.max()).then(|| factor.inverse())
+            (pivots.min() > SINGULAR.sqrt() * pivots.max()).then(|| (factor.inverse(), factor.ln_determinant()))
         };
-        if let Some(inverse) = regular(&m) {
-            return (m, inverse, false);
+        if let Some((inverse, volume)) = regular(&m) {
+            return (inverse, volume, false);
         }
         let mut ridge = (RIDGE * m.trace() / n as f64).max(f64::MIN_POSITIVE.sqrt());
         for _ in 0..RIDGES {
             for k in 0..n {
                 m[(k, k)] += ridge;
             }
-            if let Some(inverse) = regular(&m) {
-                return (m, inverse, true);
+            if let Some((inverse, volume)) = regular(&m) {
+                return (inverse, volume, true);
             }
             ridge *= 10.0;
         }
         // Rows so large that their squares overflow: nothing can be ranked.
-        (m, DMatrix::identity(n, n), true)
+        (DMatrix::identity(n, n), 0.0, true)
     }
 
     /// Carries the state over to one candidate more or less, where that is cheaper than computing it afresh.
     pub(super) fn update(&mut self, candidate: usize, sign: f64) {
-        let State::Determinant { information, inverse, ridged: false, updates } = &mut self.state else {
+        let State::Determinant { inverse, log_determinant, ridged: false, updates } = &mut self.state else {
             self.state = State::Stale;
             return;
         };
-        let rows = self.pool.stored(candidate);
-        information.gemm(sign, &rows.transpose(), &rows, 1.0);
-        if update_inverse(inverse, &rows, sign, SMALL_PIVOT) {
-            *updates += 1;
-        } else {
-            self.state = State::Stale;
+        match self.pool.update(inverse, candidate, sign, SMALL_PIVOT) {
+            Some(change) => {
+                *log_determinant += change;
+                *updates += 1;
+            }
+            None => self.state = State::Stale,
         }
     }
 }

@@ -3,6 +3,7 @@
 #[cfg(feature = "conformance")]
 mod conformance;
 mod gain;
+mod long_lists;
 mod paper;
 mod picks;
 mod quality;
