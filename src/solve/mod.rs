@@ -28,7 +28,9 @@ mod linearized;
 mod minimum_norm;
 mod newton;
 mod pseudo_inverse;
+mod small_cholesky;
 mod state;
+mod tall_qr;
 
 pub(crate) use decomposition::{singular_values, svd, symmetric_eigen};
 use gauss_newton::GaussNewton;
@@ -39,6 +41,8 @@ pub use least_squares::{
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
 pub(crate) use linearized::linearized;
-pub(crate) use minimum_norm::minimum_norm;
+pub(crate) use minimum_norm::{minimum_norm, minimum_norms};
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
 pub(crate) use pseudo_inverse::{pseudo_inverse, with_unit_columns};
+pub(crate) use small_cholesky::SmallCholesky;
+pub(crate) use tall_qr::triangle;

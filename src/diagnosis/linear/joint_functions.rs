@@ -4,33 +4,41 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::linear::score_test::{ABSORBED, ScoreTest};
 
-/// Functions of the sample on one joint, projected.
+/// A unit displacement of one joint in each sample by itself, projected.
 #[derive(Debug)]
-pub(crate) struct JointFunctions {
-    /// `Qᵀ` times the columns.
+pub(crate) struct JointSamples {
+    /// `Qᵀ` times the displacement (z × samples).
     pub(crate) w: DMatrix<f64>,
-    /// Length squared of the unit displacement in each sample.
+    /// Length squared of the displacement in each sample.
     pub(crate) square: DVector<f64>,
     /// Its product with the residual.
     pub(crate) along: DVector<f64>,
-    /// The functions (samples × columns).
-    pub(crate) functions: DMatrix<f64>,
     /// As in the model.
     pub(crate) inflation: f64,
 }
 
-impl JointFunctions {
-    /// The block of some of the functions.
-    pub(crate) fn ask(&self, columns: std::ops::Range<usize>) -> ScoreTest {
-        let f = self.functions.columns(columns.start, columns.len());
-        let w = self.w.columns(columns.start, columns.len());
-        let weighted = DMatrix::from_fn(f.nrows(), f.ncols(), |i, k| f[(i, k)] * self.square[i]);
-        let square = f.tr_mul(&weighted);
-        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
+impl JointSamples {
+    /// Functions of the sample (samples × columns) on this joint: each `width` of them as one block.
+    pub(crate) fn ask(&self, functions: &DMatrix<f64>, width: usize) -> Vec<ScoreTest> {
+        let w = &self.w * functions;
+        let mut weighted = DVector::zeros(functions.nrows());
+        let block = |first: usize| {
+            let (f, w) = (functions.columns(first, width), w.columns(first, width));
+            let mut square = DMatrix::zeros(width, width);
+            for k in 0..width {
+                weighted.copy_from(&f.column(k));
+                weighted.component_mul_assign(&self.square);
+                for i in 0..=k {
+                    let product = f.column(i).dot(&weighted);
+                    (square[(i, k)], square[(k, i)]) = (product, product);
+                }
+            }
+            ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &f.tr_mul(&self.along), self.inflation)
+        };
+        (0..functions.ncols()).step_by(width).map(block).collect()
     }
 
-    /// For functions that are one on a single sample each: what their sum from each place of an order to its end would
-    /// gain, where it is seen.
+    /// What the sum of the displacements from each place of an order to its end would gain, where it is seen.
     pub(crate) fn gains_from(&self, order: &[usize]) -> Vec<Option<f64>> {
         let mut w = DVector::zeros(self.w.nrows());
         let (mut square, mut c) = (0.0, 0.0);
