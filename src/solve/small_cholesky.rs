@@ -1,6 +1,6 @@
 //! The Cholesky factor of a matrix of a few rows, for sums that are asked thousands of times.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// `M = L Lᵀ` of a symmetric matrix of a few rows, by plain loops.
 #[derive(Debug)]
@@ -32,11 +32,6 @@ impl SmallCholesky {
         Some(Self { n, l })
     }
 
-    /// The factor of a matrix.
-    pub(crate) fn of_matrix(m: &DMatrix<f64>) -> Option<Self> {
-        Self::of(m.nrows(), |i, k| m[(i, k)])
-    }
-
     /// The diagonal of `L`.
     pub(crate) fn diagonal(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.n).map(|k| self.l[k * self.n + k])
@@ -57,14 +52,14 @@ impl SmallCholesky {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Cholesky, dvector};
+    use nalgebra::{Cholesky, DMatrix, dvector};
 
     #[test]
     fn it_agrees_with_nalgebra() {
         let a = DMatrix::from_fn(7, 5, |i, k| ((3 * i + 5 * k + i * k) % 7) as f64 - 2.5);
         let m = a.tr_mul(&a);
         let b = dvector![1.0, -2.0, 0.5, 3.0, -1.0];
-        let (small, large) = (SmallCholesky::of_matrix(&m).unwrap(), Cholesky::new(m).unwrap());
+        let (small, large) = (SmallCholesky::of(5, |i, k| m[(i, k)]).unwrap(), Cholesky::new(m).unwrap());
         for (one, other) in small.diagonal().zip(large.l().diagonal().iter()) {
             assert!((one - other).abs() < 1e-12 * other);
         }

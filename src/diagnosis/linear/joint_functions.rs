@@ -1,8 +1,8 @@
 //! Functions of the sample on one joint, for the tests that know no cause.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
-use crate::diagnosis::linear::score_test::{ABSORBED, ScoreTest};
+use crate::diagnosis::linear::score_test::{ABSORBED, PLAINLY_SEEN, ScoreTest};
 
 /// A unit displacement of one joint in each sample by itself, projected.
 #[derive(Debug)]
@@ -38,6 +38,34 @@ impl JointSamples {
         (0..functions.ncols()).step_by(width).map(block).collect()
     }
 
+    /// What pairs of functions of the sample (samples × 2 pairs) on this joint would gain, and how many directions of each
+    /// are seen; as by [`ask`](Self::ask), without its matrices.
+    pub(crate) fn gains_of_pairs(&self, functions: &DMatrix<f64>) -> Vec<(f64, usize)> {
+        let w = &self.w * functions;
+        let mut weighted = DVector::zeros(functions.nrows());
+        let mut pair = |k: usize| {
+            let (f, g) = (functions.column(k), functions.column(k + 1));
+            let (wf, wg) = (w.column(k), w.column(k + 1));
+            let mut by = |f: &DVectorView<'_, f64>| {
+                weighted.copy_from(f);
+                weighted.component_mul_assign(&self.square);
+                (weighted.dot(&functions.column(k)), weighted.dot(&functions.column(k + 1)))
+            };
+            let ((ff, fg), (_, gg)) = (by(&f), by(&g));
+            let (s, t, u) = (ff - wf.dot(&wf), fg - wf.dot(&wg), gg - wg.dot(&wg));
+            let (c, d) = (f.dot(&self.along), g.dot(&self.along));
+            let rest = u - t * t / s;
+            // The determinant of the projected columns over their lengths before.
+            if s > 0.0 && s * rest > PLAINLY_SEEN * ff * gg {
+                return ((c * c / s + (d - c * t / s).powi(2) / rest) / self.inflation, 2);
+            }
+            let matrix = |a: f64, b: f64, c: f64| DMatrix::from_row_slice(2, 2, &[a, b, b, c]);
+            let c = DVector::from_column_slice(&[c, d]);
+            ScoreTest::of(&matrix(ff, fg, gg), &matrix(s, t, u), &c, self.inflation).gain()
+        };
+        (0..functions.ncols()).step_by(2).map(&mut pair).collect()
+    }
+
     /// What the sum of the displacements from each place of an order to its end would gain, where it is seen.
     pub(crate) fn gains_from(&self, order: &[usize]) -> Vec<Option<f64>> {
         let mut w = DVector::zeros(self.w.nrows());
@@ -52,5 +80,28 @@ impl JointSamples {
         }
         all.reverse();
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_gain_what_the_general_question_says() {
+        let samples = 40;
+        let along = DVector::from_fn(samples, |k, _| ((7 * k) % 11) as f64 - 5.0);
+        let square = DVector::from_fn(samples, |k, _| 1.0 + (k % 3) as f64);
+        let w = DMatrix::from_fn(2, samples, |i, k| if k % (i + 2) == 0 { 0.2 } else { -0.1 });
+        let asked = JointSamples { w, square, along, inflation: 1.3 };
+        let mut functions = DMatrix::from_fn(samples, 6, |i, k| ((5 * i + 3 * k * k + i * k) % 13) as f64 - 6.0);
+        // A pair that is one direction.
+        let twice = functions.column(4) * 2.0;
+        functions.set_column(5, &twice);
+        for ((gain, rank), other) in asked.gains_of_pairs(&functions).into_iter().zip(asked.ask(&functions, 2)) {
+            let (wanted, of) = other.gain();
+            assert_eq!(rank, of);
+            assert!((gain - wanted).abs() < 1e-10 * wanted, "{gain} {wanted}");
+        }
     }
 }

@@ -106,13 +106,10 @@ impl Model {
         corner += &table.gradient * weight;
         let t = &inverse * moment;
         let residual = residual(kept, &blocks, &inverse.tr_mul(&t));
-        // The length squared of `Q`, of which `L⁻¹ ZᵀZ L⁻ᵀ` is the square.
-        let leverage = (&inverse * square).dot(&inverse);
-        let dof = (kept.count() as f64 - leverage) / fitting.inflation;
         let rss = residual.norm_squared() / fitting.inflation;
         let whole = (kept.r.norm_squared() + table.penalty * weight - t.norm_squared()) / fitting.inflation;
-        let noise = Noise { rss, objective: whole.max(rss), dof, known: fitting.known };
-        Ok(Self {
+        let noise = Noise { rss, objective: whole.max(rss), dof: 0.0, known: fitting.known };
+        let mut model = Self {
             kept: Arc::clone(kept),
             candidates,
             blocks,
@@ -125,7 +122,19 @@ impl Model {
             q_t: OnceLock::new(),
             w: OnceLock::new(),
             gradient: OnceLock::new(),
-        })
+        };
+        model.noise.dof = (kept.count() as f64 - model.leverage_of_all(&square)) / fitting.inflation;
+        Ok(model)
+    }
+
+    /// The length squared of `Q`. `L⁻¹ ZᵀZ L⁻ᵀ` has it as its trace, but where directions are held by little more than
+    /// rounding its entries are rounding over rounding, and the rows themselves are asked.
+    fn leverage_of_all(&self, square: &DMatrix<f64>) -> f64 {
+        let inflated = |k: usize| square[(k, k)] * self.inverse.column(k).norm_squared();
+        if (0..square.nrows()).all(|k| inflated(k) < SOUND) {
+            return (&self.inverse * square).dot(&self.inverse);
+        }
+        self.q_t().norm_squared()
     }
 
     pub(crate) fn table(&self) -> &DesignMatrix {
@@ -345,5 +354,7 @@ fn residual(kept: &KeptRows, blocks: &[Block], s: &DVector<f64>) -> DVector<f64>
 
 /// Part of the stated noise (or of a micrometre without one) that is rounding.
 const ROUNDING: f64 = 1e-5;
+/// Variance of a parameter over that without the others, up to which sums of products keep seven digits.
+const SOUND: f64 = 1e9;
 /// Relative ridge on the normal equations: rounding.
 const RIDGE: f64 = 1e-13;

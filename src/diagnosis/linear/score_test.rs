@@ -19,7 +19,7 @@ pub(crate) struct ScoreTest {
 /// Projected columns shorter than this part of what they were, squared, are rounding.
 pub(crate) const ABSORBED: f64 = 1e-8;
 /// Determinant of the projected columns, in units of their lengths before, from which on no direction is near that limit.
-const PLAINLY_SEEN: f64 = 1e-6;
+pub(crate) const PLAINLY_SEEN: f64 = 1e-6;
 /// Widths of the prior over the usual size of a parameter, an equal mixture: sound machines and broken ones.
 const WIDTHS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 

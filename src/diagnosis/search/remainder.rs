@@ -197,8 +197,7 @@ fn waves<'a>(
                     *phase = (phase.0 * step.1 + phase.1 * step.0, phase.1 * step.1 - phase.0 * step.0);
                 }
             }
-            for (k, asked) in on_leg.ask(&functions, 2).into_iter().enumerate() {
-                let (gain, rank) = asked.gain();
+            for (k, (gain, rank)) in on_leg.gains_of_pairs(&functions).into_iter().enumerate() {
                 if rank > 0 {
                     // Sine, cosine and the period.
                     let wave = Finding::of(UnknownTest::Wave, model, (c.covariate, leg), (gain, rank), 3.0);
