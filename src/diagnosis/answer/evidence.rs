@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::answer::result::{AddedVariable, JointResiduals};
 use crate::diagnosis::linear::hypotheses::{EffectColumns, Hypotheses};
-use crate::diagnosis::linear::model::{Hypothesis, Model};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::model::Model;
 use crate::solve::minimum_norms;
 
 /// What is left of each sample in the joints, without causes and with those of `judged`; both are models of the same rows.

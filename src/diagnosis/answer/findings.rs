@@ -8,7 +8,8 @@ use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{Cause, Diagnosis, Gain, NotFound, NotTestable, Unknown, UnknownTest, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
-use crate::diagnosis::linear::model::{Hypothesis, Model};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::question::Question;
 use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::iteration::SearchState;
@@ -31,12 +32,16 @@ pub(crate) fn findings(
     registration: &Registration,
 ) -> Result<Diagnosis, DiagnoseError> {
     let model = &state.model;
-    let without = state.with_names(subject, Vec::new())?;
-    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, &without)?;
-    let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (model, state.names().to_vec()) };
+    let alone = match state.names() {
+        [] => None,
+        _ => Some(state.with_names(subject, Vec::new())?),
+    };
+    let without = alone.as_ref().unwrap_or(model);
+    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without)?;
+    let (judged, names) = if withdrawn { (without, Vec::new()) } else { (model, state.names().to_vec()) };
     let mut effects = if withdrawn { Vec::new() } else { state.point.effects.clone() };
     let kept = state.kept().samples();
-    let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
+    let (not_found, unseen) = not_found(subject, judged, without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept), &subject.environment.condition_kinds);
@@ -47,10 +52,10 @@ pub(crate) fn findings(
         verdict: verdict(&causes, unknown.as_ref()),
         misread: None,
         outlier_rows: state.kept().left_out.iter().map(|k| subject.data.sample(*k).row).collect(),
-        residuals: joint_residuals(subject, &without, judged),
+        residuals: joint_residuals(subject, without, judged),
         noise_varies: state.noise_varies.clone(),
         correlation: state.correlation,
-        gain: gain(question, &without, judged, &kept),
+        gain: gain(question, without, judged, &kept),
         not_found,
         not_testable,
         before: rms(without.table(), &without.residual, &kept),
@@ -207,8 +212,11 @@ fn not_found(
 fn gain(question: &Question<'_>, without: &Model, with: &Model, kept: &[usize]) -> Gain {
     let random = folds(kept, Some(question.seed));
     let blocks = folds(kept, None);
-    let (before, after) = (held_out(without, &random), held_out(with, &random));
-    let (blocked_before, blocked_after) = (held_out(without, &blocks), held_out(with, &blocks));
+    let (before, blocked_before) = (held_out(without, &random), held_out(without, &blocks));
+    let (after, blocked_after) = match std::ptr::eq(without, with) {
+        true => (before, blocked_before),
+        false => (held_out(with, &random), held_out(with, &blocks)),
+    };
     let noise = &question.data.noise;
     let floor = |sigma: f64| noise.known.then(|| 3.0_f64.sqrt() * sigma);
     Gain {

@@ -12,43 +12,17 @@
 use std::iter::once;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::{Block, DesignMatrix};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::joint_functions::JointSamples;
 use crate::diagnosis::linear::kept_rows::{BlockProducts, KeptRows, between};
+use crate::diagnosis::linear::normal_equations::{inverse_factor, residual};
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::Noise;
-use crate::effect::ScanPoint;
-use crate::measurement::DataRow;
-
-/// An effect at a place, as the search handles it.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Hypothesis {
-    /// Which group of the subject.
-    pub(crate) group: usize,
-    /// Which place of the group.
-    pub(crate) place: usize,
-    /// Sample (position in the data) from which on it acts, if rows are scanned.
-    pub(crate) from: Option<usize>,
-}
-
-impl Hypothesis {
-    /// The place in the terms of the effect; `rows` are the data rows of the samples.
-    pub(crate) fn at(&self, groups: &[EffectColumns], rows: &[DataRow]) -> ScanPoint {
-        let mut at = groups[self.group].places[self.place].at.clone();
-        at.row = self.from.map(|k| rows[k].0);
-        at
-    }
-
-    /// Its columns in a table.
-    pub(crate) fn block(&self, groups: &[EffectColumns], table: &DesignMatrix) -> Block {
-        let columns = groups[self.group].places[self.place].columns.clone();
-        Block { columns, first: self.from.map_or(0, |from| table.rows[from].0) }
-    }
-}
 
 /// How a model is fitted.
 #[derive(Clone, Copy, Debug)]
@@ -313,48 +287,7 @@ impl Model {
     }
 }
 
-/// `L⁻¹` with `L Lᵀ` the normal equations: `square` with the precision of the prior in its corner.
-fn inverse_factor(mut normal: DMatrix<f64>, precision: &DMatrix<f64>) -> Result<DMatrix<f64>, DiagnoseError> {
-    let z = normal.nrows();
-    let mut corner = normal.view_mut((0, 0), precision.shape());
-    corner += precision;
-    // Columns that vanish, or that repeat others, are held where they are.
-    let largest = normal.diagonal().map(|v| if v > 0.0 { v } else { 1.0 });
-    for k in 0..z {
-        normal[(k, k)] += RIDGE * largest[k];
-    }
-    let factor = Cholesky::new(normal).ok_or(DiagnoseError::Singular)?;
-    let mut inverse = DMatrix::identity(z, z);
-    for k in 0..z {
-        // Above the diagonal the inverse is zero as well.
-        let l = factor.l_dirty().view((k, k), (z - k, z - k));
-        if !l.solve_lower_triangular_mut(&mut inverse.view_mut((k, k), (z - k, 1))) {
-            return Err(DiagnoseError::Singular);
-        }
-    }
-    Ok(inverse)
-}
-
-/// `r - Z s` over the rows that count.
-fn residual(kept: &KeptRows, blocks: &[Block], s: &DVector<f64>) -> DVector<f64> {
-    let mut residual = kept.r.clone();
-    let a_t = &kept.table.a_t;
-    let mut at = 0;
-    for block in blocks {
-        let (p, rows) = (block.columns.len(), a_t.ncols() - block.first);
-        let columns = a_t.view((block.columns.start, block.first), (p, rows));
-        residual.rows_mut(block.first, rows).gemv_tr(-1.0, &columns, &s.rows(at, p), 1.0);
-        at += p;
-    }
-    for (first, n) in kept.left_out.iter().map(|k| kept.table.rows[*k]) {
-        residual.rows_mut(first, n).fill(0.0);
-    }
-    residual
-}
-
 /// Part of the stated noise (or of a micrometre without one) that is rounding.
 const ROUNDING: f64 = 1e-5;
 /// Variance of a parameter over that without the others, up to which sums of products keep seven digits.
 const SOUND: f64 = 1e9;
-/// Relative ridge on the normal equations: rounding.
-const RIDGE: f64 = 1e-13;

@@ -2,8 +2,9 @@
 //!
 //! At a measured pose `x` the closure `f(c, q, x)` leaves a residual, and `J₁⁻¹ f` is the motion by which the pose would have
 //! to move; its columns are `J₁⁻¹ ∂f/∂c`. With `W` one over the noise, `B = W J₁⁻¹`, and `P = ∂f/∂c`, which has one entry in
-//! a column where a parameter is that of a leg, the normal equations sum `Pᵀ (Bᵀ B) P`: entry by entry of `P`, since forty
-//! readings are tried before anything is known.
+//! a column where a parameter is that of a leg, the normal equations sum `Pᵀ (Bᵀ B) P`. The first look, which tries forty
+//! readings, sums entry by entry of `P`. The second look, whose misfits are reported, multiplies the written-out columns
+//! `B P`: a wrong reading leaves a fit so badly posed that the order of the sums changes its misfit in the second digit.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
@@ -15,6 +16,25 @@ use crate::pose::Pose;
 
 /// A row this many medians away counts for less.
 const FAR: f64 = 4.0;
+
+/// How closely a reading is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// At a few rows.
+    First,
+    /// At all rows.
+    Second,
+}
+
+impl Look {
+    /// Steps of the fit.
+    fn steps(self) -> usize {
+        match self {
+            Self::First => 2,
+            Self::Second => 5,
+        }
+    }
+}
 
 /// Fits of the parameters of a mechanism.
 pub(crate) struct ClosureFit<'a> {
@@ -48,17 +68,40 @@ impl Rows {
         self.ends.clear();
     }
 
-    /// `Σ wₖ² Pᵀ Bᵀ B P`, of which the lower triangle is filled, and `Σ wₖ² Pᵀ Bᵀ B f`.
-    fn normal(&self, n: usize, weights: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+    /// The entries of `P` of each row.
+    fn entries(&self) -> impl Iterator<Item = &[(usize, usize, f64)]> {
+        let first = std::iter::once(0).chain(self.ends.iter().copied());
+        first.zip(&self.ends).map(|(first, end)| &self.entries[first..*end])
+    }
+
+    /// `Σ wₖ² Pᵀ Bᵀ B P` and `Σ wₖ² Pᵀ Bᵀ B f`, by the columns `wₖ B P`.
+    fn written_out(&self, n: usize, weights: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+        let mut a = DMatrix::zeros(6 * weights.len(), n);
+        let mut r = DVector::zeros(6 * weights.len());
+        for ((k, weight), entries) in weights.iter().enumerate().zip(self.entries()) {
+            // Rows without a number, and rows that are far from the others, must not lead the fit.
+            if !(*weight > 0.0) {
+                continue;
+            }
+            r.fixed_rows_mut::<6>(6 * k).copy_from(&(self.residuals[k] * *weight));
+            for (equation, parameter, value) in entries {
+                let mut to = a.fixed_view_mut::<6, 1>(6 * k, *parameter);
+                to.axpy(*value, &self.inverses[k].column(*equation), 1.0);
+            }
+            if *weight < 1.0 {
+                a.fixed_rows_mut::<6>(6 * k).scale_mut(*weight);
+            }
+        }
+        (a.transpose() * &a, a.tr_mul(&r))
+    }
+
+    /// The same by the entries; of the matrix only the lower triangle is filled.
+    fn summed(&self, n: usize, weights: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         // Symmetric: rows of the lower triangle are columns of the upper one.
         let mut upper = DMatrix::zeros(n, n);
         let mut moment = DVector::zeros(n);
         let mut product = vec![0.0; 6 * n];
-        let mut first = 0;
-        for (k, weight) in weights.iter().enumerate() {
-            let entries = &self.entries[first..self.ends[k]];
-            first = self.ends[k];
-            // Rows without a number, and rows that are far from the others, must not lead the fit.
+        for ((k, weight), entries) in weights.iter().enumerate().zip(self.entries()) {
             if !(*weight > 0.0) {
                 continue;
             }
@@ -88,9 +131,10 @@ impl<'a> ClosureFit<'a> {
         Self { mechanism, precision, gradient, weights }
     }
 
-    /// Median length of the whitened misfit of rows of joints and poses after so many steps of the fit; `None` without a
-    /// number for most of them.
-    pub(crate) fn misfit(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {
+    /// Median length of the whitened misfit of rows of joints and poses after the fit; `None` without a number for most of
+    /// them.
+    pub(crate) fn misfit(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, look: Look) -> Option<f64> {
+        let steps = look.steps();
         let nominal = self.mechanism.values();
         let n = nominal.len();
         let mut c = nominal.to_vec();
@@ -106,7 +150,10 @@ impl<'a> ClosureFit<'a> {
             }
             let weight = |length: &f64| if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
             let weights: Vec<f64> = lengths.iter().map(weight).collect();
-            let (mut normal, moment) = rows.normal(n, &weights);
+            let (mut normal, moment) = match look {
+                Look::First => rows.summed(n, &weights),
+                Look::Second => rows.written_out(n, &weights),
+            };
             normal += &self.precision;
             for k in 0..n {
                 normal[(k, k)] *= 1.0 + 1e-12;
@@ -189,8 +236,9 @@ mod tests {
             normal += a.tr_mul(&a);
             moment += a.tr_mul(&DVector::from_iterator(6, residual.iter().map(|v| v * weight)));
         }
-        let (lower, found) = rows.normal(n, &weights);
-        assert!((lower.lower_triangle() - normal.lower_triangle()).amax() < 1e-12 * normal.amax());
-        assert!((found - &moment).amax() < 1e-12 * moment.amax());
+        for (found, of_residual) in [rows.summed(n, &weights), rows.written_out(n, &weights)] {
+            assert!((found.lower_triangle() - normal.lower_triangle()).amax() < 1e-12 * normal.amax());
+            assert!((of_residual - &moment).amax() < 1e-12 * moment.amax());
+        }
     }
 }

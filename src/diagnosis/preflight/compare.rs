@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Vector3, Vector6};
 use crate::conditions::Conditions;
 use crate::diagnosis::answer::result::Misread;
 use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
-use crate::diagnosis::preflight::closure_fit::ClosureFit;
+use crate::diagnosis::preflight::closure_fit::{ClosureFit, Look};
 use crate::diagnosis::preflight::misreadings::{Reading, StatedRows};
 use crate::identification::{Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
@@ -26,8 +26,6 @@ const EXPLAINED: f64 = 0.05;
 const SPREAD: f64 = 3.0;
 /// Rows that the first look takes.
 const FEW: usize = 36;
-/// Steps of the fit in the first look, and of the second.
-const STEPS: [usize; 2] = [2, 5];
 /// Readings that get a second look.
 const SECOND: f64 = 4.0;
 
@@ -48,27 +46,27 @@ pub(crate) fn preflight(
     if trial.elsewhere {
         ways.push(true);
     }
-    let stated = |rows: &[usize], steps: usize| {
-        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, steps, *way);
+    let stated = |rows: &[usize], look: Look| {
+        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, look, *way);
         ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     };
-    let at_first = stated(&few, STEPS[0]);
+    let at_first = stated(&few, Look::First);
     // Asked only if a reading comes near.
     let at_last = OnceCell::new();
-    let at_last = || *at_last.get_or_init(|| stated(&all, STEPS[1]));
+    let at_last = || *at_last.get_or_init(|| stated(&all, Look::Second));
     readings.retain(|reading| trial.is_commanded(reading, &few));
     let mut sure: Vec<(Reading, f64)> = Vec::new();
     for way in &ways {
         let mut found: Vec<(&Reading, f64)> = readings
             .iter()
-            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, STEPS[0], *way)?)))
+            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, Look::First, *way)?)))
             .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         found.truncate(6);
         sure = found
             .into_iter()
-            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, STEPS[1], *way)?)))
+            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, Look::Second, *way)?)))
             .filter(|(reading, misfit)| misfit * BETTER < at_last() && trial.explains(reading, *misfit))
             .collect();
         if !sure.is_empty() {
@@ -198,14 +196,14 @@ impl<'a> Trial<'a> {
 
     /// Median length of the whitened misfit of a row after the parameters are fitted, in the base frame or in frames that
     /// are found first.
-    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize, find_frames: bool) -> Option<f64> {
+    fn misfit(&self, reading: &Reading, rows: &[usize], look: Look, find_frames: bool) -> Option<f64> {
         let read: Vec<(Vec<f64>, Pose)> =
             rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
         if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
             return None;
         }
         if !find_frames {
-            return self.fit.misfit(&read, &Frames::default(), steps);
+            return self.fit.misfit(&read, &Frames::default(), look);
         }
         let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
         let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
@@ -214,6 +212,6 @@ impl<'a> Trial<'a> {
         let model: std::sync::Arc<dyn MeasurementModel> =
             std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
         let found = register(self.mechanism, &Dataset::new(samples, model, noise)).ok()?;
-        self.fit.misfit(&read, &found.frames, steps)
+        self.fit.misfit(&read, &found.frames, look)
     }
 }

@@ -8,3 +8,4 @@ pub(crate) mod outliers;
 pub(crate) mod remainder;
 pub(crate) mod reweighting;
 pub(crate) mod stepwise;
+pub(crate) mod unnamed;

@@ -8,8 +8,9 @@ use statrs::distribution::ChiSquared;
 
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::kept_rows::KeptRows;
-use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
+use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::statistics::upper_quantile;
 use crate::solve::SmallCholesky;
 

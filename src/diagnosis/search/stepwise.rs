@@ -6,8 +6,9 @@ use nalgebra::DVector;
 
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::kept_rows::KeptRows;
-use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
+use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::statistics::log_mean;
 use crate::solve::{svd, triangle};
 
