@@ -1,6 +1,6 @@
 //! Functions of the sample on one joint, for the tests that know no cause.
 
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::linear::score_test::{ABSORBED, PLAINLY_SEEN, ScoreTest};
 
@@ -15,6 +15,15 @@ pub(crate) struct JointSamples {
     pub(crate) along: DVector<f64>,
     /// As in the model.
     pub(crate) inflation: f64,
+}
+
+/// Sums over samples of pairs of functions on a joint.
+#[derive(Debug)]
+pub(crate) struct PairSums {
+    /// `Qᵀ` times the functions (z × 2 pairs).
+    w: DMatrix<f64>,
+    /// For the functions `f` and `g` of each pair: `f²`, `f g`, `g²`, and the products of `f` and `g` with the residual.
+    sums: Vec<[f64; 5]>,
 }
 
 impl JointSamples {
@@ -38,32 +47,44 @@ impl JointSamples {
         (0..functions.ncols()).step_by(width).map(block).collect()
     }
 
-    /// What pairs of functions of the sample (samples × 2 pairs) on this joint would gain, and how many directions of each
-    /// are seen; as by [`ask`](Self::ask), without its matrices.
-    pub(crate) fn gains_of_pairs(&self, functions: &DMatrix<f64>) -> Vec<(f64, usize)> {
-        let w = &self.w * functions;
-        let mut weighted = DVector::zeros(functions.nrows());
-        let mut pair = |k: usize| {
-            let (f, g) = (functions.column(k), functions.column(k + 1));
-            let (wf, wg) = (w.column(k), w.column(k + 1));
-            let mut by = |f: &DVectorView<'_, f64>| {
-                weighted.copy_from(f);
-                weighted.component_mul_assign(&self.square);
-                (weighted.dot(&functions.column(k)), weighted.dot(&functions.column(k + 1)))
-            };
-            let ((ff, fg), (_, gg)) = (by(&f), by(&g));
+    /// No samples yet of so many pairs of functions.
+    pub(crate) fn pairs(&self, count: usize) -> PairSums {
+        PairSums { w: DMatrix::zeros(self.w.nrows(), 2 * count), sums: vec![[0.0; 5]; count] }
+    }
+
+    /// Adds some samples (from `sample` on) of some pairs (from `pair` on): functions (samples × 2 pairs).
+    pub(crate) fn add(&self, sums: &mut PairSums, sample: usize, pair: usize, functions: &DMatrix<f64>) {
+        let (samples, columns) = functions.shape();
+        sums.w.columns_mut(2 * pair, columns).gemm(1.0, &self.w.columns(sample, samples), functions, 1.0);
+        let (square, along) = (self.square.rows(sample, samples), self.along.rows(sample, samples));
+        let mut weighted = DVector::zeros(samples);
+        for (k, sum) in sums.sums[pair..pair + columns / 2].iter_mut().enumerate() {
+            let (f, g) = (functions.column(2 * k), functions.column(2 * k + 1));
+            weighted.zip_zip_apply(&f, &square, |to, f, s| *to = f * s);
+            sum[0] += weighted.dot(&f);
+            sum[1] += weighted.dot(&g);
+            weighted.zip_zip_apply(&g, &square, |to, g, s| *to = g * s);
+            sum[2] += weighted.dot(&g);
+            sum[3] += f.dot(&along);
+            sum[4] += g.dot(&along);
+        }
+    }
+
+    /// What each pair would gain, and how many directions of it are seen; as by [`ask`](Self::ask), without its matrices.
+    pub(crate) fn gains_of_pairs(&self, all: &PairSums) -> Vec<(f64, usize)> {
+        let pair = |(k, [ff, fg, gg, c, d]): (usize, &[f64; 5])| {
+            let (wf, wg) = (all.w.column(2 * k), all.w.column(2 * k + 1));
             let (s, t, u) = (ff - wf.dot(&wf), fg - wf.dot(&wg), gg - wg.dot(&wg));
-            let (c, d) = (f.dot(&self.along), g.dot(&self.along));
             let rest = u - t * t / s;
             // The determinant of the projected columns over their lengths before.
             if s > 0.0 && s * rest > PLAINLY_SEEN * ff * gg {
                 return ((c * c / s + (d - c * t / s).powi(2) / rest) / self.inflation, 2);
             }
             let matrix = |a: f64, b: f64, c: f64| DMatrix::from_row_slice(2, 2, &[a, b, b, c]);
-            let c = DVector::from_column_slice(&[c, d]);
-            ScoreTest::of(&matrix(ff, fg, gg), &matrix(s, t, u), &c, self.inflation).gain()
+            let c = DVector::from_column_slice(&[*c, *d]);
+            ScoreTest::of(&matrix(*ff, *fg, *gg), &matrix(s, t, u), &c, self.inflation).gain()
         };
-        (0..functions.ncols()).step_by(2).map(&mut pair).collect()
+        all.sums.iter().enumerate().map(pair).collect()
     }
 
     /// What the sum of the displacements from each place of an order to its end would gain, where it is seen.
@@ -98,7 +119,14 @@ mod tests {
         // A pair that is one direction.
         let twice = functions.column(4) * 2.0;
         functions.set_column(5, &twice);
-        for ((gain, rank), other) in asked.gains_of_pairs(&functions).into_iter().zip(asked.ask(&functions, 2)) {
+        let mut sums = asked.pairs(3);
+        for (sample, some) in [(0, 25), (25, 15)] {
+            for (pair, few) in [(0, 2), (2, 1)] {
+                let part = functions.view((sample, 2 * pair), (some, 2 * few)).into_owned();
+                asked.add(&mut sums, sample, pair, &part);
+            }
+        }
+        for ((gain, rank), other) in asked.gains_of_pairs(&sums).into_iter().zip(asked.ask(&functions, 2)) {
             let (wanted, of) = other.gain();
             assert_eq!(rank, of);
             assert!((gain - wanted).abs() < 1e-10 * wanted, "{gain} {wanted}");

@@ -14,8 +14,9 @@ const FEW: usize = 3;
 /// Most waves of one covariate: from one to about 256 cycles over its range. Each is a pass over all samples, so that all
 /// of them up to the sampling limit would cost the square of the samples.
 const MOST_WAVES: usize = 512;
-/// Waves that are multiplied at once.
+/// Waves that are multiplied at once, and samples: what stays in the cache of a core.
 const WAVES_AT_ONCE: usize = 32;
+const SAMPLES_AT_ONCE: usize = 256;
 /// Degree of the polynomial.
 const DEGREE: usize = 4;
 
@@ -157,27 +158,30 @@ pub(crate) fn waves<'a>(
     let samples = model.table().samples();
     let count = samples.saturating_sub(2).min(MOST_WAVES);
     for c in covariates.iter().filter(|c| c.covariate.waves && c.concerns(leg)) {
-        // Half a cycle more turns the phase by the same angle each time.
-        let turn: Vec<(f64, f64)> = c.scaled.iter().map(|x| (0.5 * PI * x).sin_cos()).collect();
-        let mut phase: Vec<(f64, f64)> = c.scaled.iter().map(|x| (PI * x).sin_cos()).collect();
-        let (low, high) = c.covariate.range();
-        for first in (0..count).step_by(WAVES_AT_ONCE) {
-            let number = WAVES_AT_ONCE.min(count - first);
-            let mut functions = DMatrix::zeros(samples, 2 * number);
-            for pair in functions.as_mut_slice().chunks_exact_mut(2 * samples) {
-                let (sines, cosines) = pair.split_at_mut(samples);
-                for (((sine, cosine), phase), step) in sines.iter_mut().zip(cosines).zip(&mut phase).zip(&turn) {
-                    (*sine, *cosine) = *phase;
-                    *phase = (phase.0 * step.1 + phase.1 * step.0, phase.1 * step.1 - phase.0 * step.0);
+        let mut sums = on_leg.pairs(count);
+        for (part, x) in c.scaled.chunks(SAMPLES_AT_ONCE).enumerate() {
+            // Half a cycle more turns the phase by the same angle each time.
+            let turn: Vec<(f64, f64)> = x.iter().map(|x| (0.5 * PI * x).sin_cos()).collect();
+            let mut phase: Vec<(f64, f64)> = x.iter().map(|x| (PI * x).sin_cos()).collect();
+            for first in (0..count).step_by(WAVES_AT_ONCE) {
+                let mut functions = DMatrix::zeros(x.len(), 2 * WAVES_AT_ONCE.min(count - first));
+                for pair in functions.as_mut_slice().chunks_exact_mut(2 * x.len()) {
+                    let (sines, cosines) = pair.split_at_mut(x.len());
+                    for (((sine, cosine), phase), step) in sines.iter_mut().zip(cosines).zip(&mut phase).zip(&turn) {
+                        (*sine, *cosine) = *phase;
+                        *phase = (phase.0 * step.1 + phase.1 * step.0, phase.1 * step.1 - phase.0 * step.0);
+                    }
                 }
+                on_leg.add(&mut sums, part * SAMPLES_AT_ONCE, first, &functions);
             }
-            for (k, (gain, rank)) in on_leg.gains_of_pairs(&functions).into_iter().enumerate() {
-                if rank > 0 {
-                    // Sine, cosine and the period.
-                    let wave = Finding::of(UnknownTest::Wave, model, (c.covariate, leg), (gain, rank), 3.0);
-                    let cycles = 1.0 + 0.5 * (first + k) as f64;
-                    found.push(Finding { period: Some((high - low) / cycles), ..wave });
-                }
+        }
+        let (low, high) = c.covariate.range();
+        for (k, (gain, rank)) in on_leg.gains_of_pairs(&sums).into_iter().enumerate() {
+            if rank > 0 {
+                // Sine, cosine and the period.
+                let wave = Finding::of(UnknownTest::Wave, model, (c.covariate, leg), (gain, rank), 3.0);
+                let cycles = 1.0 + 0.5 * k as f64;
+                found.push(Finding { period: Some((high - low) / cycles), ..wave });
             }
         }
     }
