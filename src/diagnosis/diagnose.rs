@@ -36,26 +36,10 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let registration = register(mechanism, &data)?;
     let data = data.with_frames(registration.frames);
     let environment = Arc::new(question.environment.with_references_of(&data));
-    let (mut subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
+    let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let known = question.noise_known && data.noise.known;
-    if subject.is_pose_space() && !data.noise.known {
-        // Nothing says how the noise of the six coordinates compares, and each is fitted by itself.
-        let first = Search { subject: &subject, known }.explore_with_care()?;
-        subject.spreads = first.spreads(&subject)?;
-    }
-    let mut state = Search { subject: &subject, known }.explore_with_care()?;
-    if let Some(ratio) = state.ratio(&subject)?.filter(|_| !known && subject.spreads.is_empty()) {
-        subject.kind_spreads = Some(ratio);
-        state = Search { subject: &subject, known }.explore_with_care()?;
-    }
-    let mut noise = None;
-    if let Some((varies, spreads)) = state.noise_varies(&subject)? {
-        // Rows count by the noise that they have.
-        noise = Some(varies);
-        subject.sample_spreads = spreads;
-        state = Search { subject: &subject, known }.explore_with_care()?;
-    }
-    let mut found = findings(question, &subject, &state, missing, &registration, noise)?;
+    let state = Search { subject: &subject, known }.reweighted()?;
+    let mut found = findings(question, &subject, &state, missing, &registration)?;
     found.warnings.extend(gaps);
     Ok(found)
 }

@@ -30,6 +30,7 @@ mod linearized;
 mod minimum_norm;
 mod newton;
 mod pseudo_inverse;
+mod small_cholesky;
 mod state;
 mod triangle;
 
@@ -44,7 +45,8 @@ pub use least_squares::{
 use levenberg_marquardt::LevenbergMarquardt;
 pub use linear::LinearMethod;
 pub(crate) use linearized::linearized;
-pub(crate) use minimum_norm::minimum_norm;
+pub(crate) use minimum_norm::{minimum_norm, minimum_norms};
 pub use newton::{NewtonError, NewtonOptions, NewtonProblem, NewtonSolution, newton};
 pub(crate) use pseudo_inverse::{pseudo_inverse, with_unit_columns};
+pub(crate) use small_cholesky::SmallCholesky;
 pub(crate) use triangle::{Triangle, exceeds, gram};

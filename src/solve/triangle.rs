@@ -80,6 +80,11 @@ impl Triangle {
         self.rows
     }
 
+    /// `[R c; 0 ρ]`.
+    pub(crate) fn upper(&self) -> &DMatrix<f64> {
+        &self.upper
+    }
+
     /// `R`, with the same Gram matrix as `J`.
     pub(crate) fn jacobian(&self) -> DMatrix<f64> {
         let n = self.upper.ncols() - 1;
@@ -197,6 +202,18 @@ mod tests {
                 assert!((squares / weight - left.norm_squared()).abs() < 1e-9 * r.norm_squared(), "{squares}");
             }
         }
+    }
+
+    #[test]
+    fn columns_that_differ_by_rounding_are_told_apart() {
+        // Läuchli: the normal equations lose the small entries altogether.
+        let tiny = 1e-9;
+        let mut a = DMatrix::zeros(600, 2);
+        a.row_mut(0).fill(1.0);
+        a[(300, 0)] = tiny;
+        a[(599, 1)] = tiny;
+        let r = Triangle::of(&a, &DVector::zeros(600)).jacobian();
+        assert!((singular_values(r)[1] - tiny).abs() < 1e-6 * tiny);
     }
 
     #[test]

@@ -5,7 +5,8 @@ use crate::diagnosis::answer::limits::lambda;
 use crate::diagnosis::answer::result::{Cause, CauseParameter, Rival};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
-use crate::diagnosis::linear::model::{Hypothesis, Model};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability};
 use crate::effect::EffectParameter;
@@ -23,20 +24,20 @@ const PLAUSIBLE: f64 = 10.0;
 pub(crate) fn causes(
     subject: &Hypotheses<'_>,
     state: &SearchState,
-    model: &Model<'_>,
+    model: &Model,
 ) -> Result<Vec<Cause>, DiagnoseError> {
     let step = model.step();
     let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
     let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
-    let mut all = Vec::with_capacity(state.names.len());
+    let mut all = Vec::with_capacity(state.names().len());
     let mut at = 0;
-    for (k, name) in state.names.iter().enumerate() {
+    for (k, name) in state.names().iter().enumerate() {
         let group = &subject.groups[name.group];
         let p = group.parameters.len();
-        let values: Vec<f64> = step.rows(model.table.nuisance + at, p).iter().copied().collect();
-        let mut others = state.names.clone();
+        let values: Vec<f64> = step.rows(model.table().nuisance + at, p).iter().copied().collect();
+        let mut others = state.names().to_vec();
         others.remove(k);
-        let without = state.model(subject, others.clone())?;
+        let without = state.with_names(subject, others.clone())?;
         let scores = scores(&without, &subject.groups);
         let tests = scores.iter().filter(|s| s.rank > 0).count();
         let own = &scores[name.group];
@@ -67,7 +68,7 @@ pub(crate) fn causes(
             tied_with,
             size_over_limit: size,
             tentative: size < TENTATIVE,
-            added_variable: added_variable(state, &subject.groups, &without, name, &values, sigma),
+            added_variable: added_variable(&subject.groups, &without, name, &values, sigma),
             plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
         });
         at += p;
@@ -89,7 +90,7 @@ fn dimension(subject: &Hypotheses<'_>, stated: Dimension, leg: Option<usize>) ->
 /// one, unless one is a special case of the other.
 fn rivals(
     subject: &Hypotheses<'_>,
-    without: &Model<'_>,
+    without: &Model,
     scores: &[Score],
     name: &Hypothesis,
     values: &[f64],

@@ -5,12 +5,11 @@ use crate::diagnosis::answer::causes::causes;
 use crate::diagnosis::answer::evidence::joint_residuals;
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
 use crate::diagnosis::answer::limits::limit;
-use crate::diagnosis::answer::result::{
-    Cause, Diagnosis, Gain, NoiseVaries, NotFound, NotTestable, Unknown, UnknownTest, Verdict,
-};
+use crate::diagnosis::answer::result::{Cause, Diagnosis, Gain, NotFound, NotTestable, Unknown, UnknownTest, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
-use crate::diagnosis::linear::model::{Hypothesis, Model};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::question::Question;
 use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::iteration::SearchState;
@@ -31,15 +30,18 @@ pub(crate) fn findings(
     state: &SearchState,
     mut not_testable: Vec<NotTestable>,
     registration: &Registration,
-    noise_varies: Option<NoiseVaries>,
 ) -> Result<Diagnosis, DiagnoseError> {
-    let model = state.model(subject, state.names.clone())?;
-    let without = state.model(subject, Vec::new())?;
-    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, &model, &without)?;
-    let (judged, names) = if withdrawn { (&without, Vec::new()) } else { (&model, state.names.clone()) };
+    let model = &state.model;
+    let alone = match state.names() {
+        [] => None,
+        _ => Some(state.with_names(subject, Vec::new())?),
+    };
+    let without = alone.as_ref().unwrap_or(model);
+    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without)?;
+    let (judged, names) = if withdrawn { (without, Vec::new()) } else { (model, state.names().to_vec()) };
     let mut effects = if withdrawn { Vec::new() } else { state.point.effects.clone() };
-    let kept = state.kept();
-    let (not_found, unseen) = not_found(subject, judged, &without, &names, &causes);
+    let kept = state.kept().samples();
+    let (not_found, unseen) = not_found(subject, judged, without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept), &subject.environment.condition_kinds);
@@ -49,24 +51,24 @@ pub(crate) fn findings(
     Ok(Diagnosis {
         verdict: verdict(&causes, unknown.as_ref()),
         misread: None,
-        outlier_rows: state.left_out.iter().map(|k| subject.data.sample(*k).row).collect(),
-        residuals: joint_residuals(subject, state, &without, judged),
-        noise_varies,
+        outlier_rows: state.kept().left_out.iter().map(|k| subject.data.sample(*k).row).collect(),
+        residuals: joint_residuals(subject, without, judged),
+        noise_varies: state.noise_varies.clone(),
         correlation: state.correlation,
-        gain: gain(question, &without, judged, &kept),
+        gain: gain(question, without, judged, &kept),
         not_found,
         not_testable,
-        before: rms(&state.table, &without.residual, &kept),
-        after: rms(&state.table, &judged.residual, &kept),
-        noise_scale: judged.noise.variance().sqrt() * subject.kind_spreads.map_or(1.0, |[p, r]| (p * r).sqrt()),
+        before: rms(without.table(), &without.residual, &kept),
+        after: rms(judged.table(), &judged.residual, &kept),
+        noise_scale: judged.noise.variance().sqrt() * state.spreads.kinds.map_or(1.0, |[p, r]| (p * r).sqrt()),
         samples: subject.data.len(),
         joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
         values: state.point.values.iter().zip(step.iter()).map(|(v, d)| v + d).collect(),
-        own: state.full.own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect(),
+        own: model.table().own.iter().zip(step.iter().skip(specs)).map(|(v, d)| v + d).collect(),
         effects,
         environment: (*subject.environment).clone(),
         frames: registration.frames,
-        warnings: warnings(subject, registration, unknown.as_ref()),
+        warnings: warnings(subject, state, registration, unknown.as_ref()),
         causes,
         unknown,
     })
@@ -81,32 +83,27 @@ struct Conclusion {
 }
 
 /// Judges the names that the search found by what they leave.
-fn conclude(
-    subject: &Hypotheses<'_>,
-    state: &SearchState,
-    model: &Model<'_>,
-    without: &Model<'_>,
-) -> Result<Conclusion, DiagnoseError> {
+fn conclude(subject: &Hypotheses<'_>, state: &SearchState, without: &Model) -> Result<Conclusion, DiagnoseError> {
+    let (model, names) = (&state.model, state.names());
     let known = covariates(subject.data, &subject.environment.condition_kinds);
     let mut causes = causes(subject, state, model)?;
-    let mut unknown = remainder(model, &known).filter(|u| !is_rounding(state, without, model, u.leg));
+    let mut unknown = remainder(model, &known).filter(|u| !is_rounding(without, model, u.leg));
     let mut withdrawn = false;
-    if !state.names.is_empty() {
-        let worth = worth_of(without, &subject.groups, &state.names) - price_of_places(subject, &state.names);
+    if !names.is_empty() {
+        let worth = worth_of(without, &subject.groups, names) - price_of_places(subject, names);
         if let Some(found) = rival(without, &known, worth, TIED) {
-            let names = causes.drain(..).map(|c| c.effect).collect();
-            unknown = Some(Unknown { withdrawn: names, ..found });
+            unknown = Some(Unknown { withdrawn: causes.drain(..).map(|c| c.effect).collect(), ..found });
             withdrawn = true;
         }
     }
-    if unknown.is_none() && patchwork(subject, &state.names) {
+    if unknown.is_none() && patchwork(subject, names) {
         // Jumps and drifts stacked on each other describe anything that changes with time.
         unknown = Some(Unknown {
             covariate: Some(if known.iter().any(|c| c.name == TIME) { TIME.into() } else { "row".into() }),
             ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
-    if subject.data.noise.known && is_hopeless(subject, state, if withdrawn { without } else { model }) {
+    if subject.data.noise.known && is_hopeless(subject, if withdrawn { without } else { model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         withdrawn = true;
         unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
@@ -124,7 +121,12 @@ fn verdict(causes: &[Cause], unknown: Option<&Unknown>) -> Verdict {
 }
 
 /// What the user should know of frames, noise and tolerances.
-fn warnings(subject: &Hypotheses<'_>, registration: &Registration, unknown: Option<&Unknown>) -> Vec<String> {
+fn warnings(
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
+    registration: &Registration,
+    unknown: Option<&Unknown>,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     if registration.applied {
         warnings.push(
@@ -134,7 +136,7 @@ fn warnings(subject: &Hypotheses<'_>, registration: &Registration, unknown: Opti
         );
     }
     // What no name explains changes the ratio too.
-    if let (Some([position, rotation]), None) = (subject.kind_spreads, unknown) {
+    if let (Some([position, rotation]), None) = (state.spreads.kinds, unknown) {
         warnings.push(format!(
             "the ratio of position noise to rotation noise is {} times the stated one; rows are weighted by the \
              estimated noise",
@@ -148,14 +150,14 @@ fn warnings(subject: &Hypotheses<'_>, registration: &Registration, unknown: Opti
 }
 
 /// True if what is left at a joint is less than the digits that any file has.
-fn is_rounding(state: &SearchState, without: &Model<'_>, model: &Model<'_>, joint: Option<usize>) -> bool {
-    let of = |m: &Model<'_>| state.table.spreads_of(&m.residual, &state.left_out);
+fn is_rounding(without: &Model, model: &Model, joint: Option<usize>) -> bool {
+    let of = |m: &Model| m.table().spreads_of(&m.residual, m.kept.rows());
     joint.is_some_and(|k| of(model)[k] < ROUNDING * of(without)[k])
 }
 
 /// True if what is left is far above the stated noise.
-fn is_hopeless(subject: &Hypotheses<'_>, state: &SearchState, model: &Model<'_>) -> bool {
-    let left = rms(&state.table, &model.residual, &state.kept());
+fn is_hopeless(subject: &Hypotheses<'_>, model: &Model) -> bool {
+    let left = rms(model.table(), &model.residual, &model.kept.samples());
     let noise = &subject.data.noise;
     let above = |rms: Option<f64>, sigma: f64| rms.is_some_and(|v| v > HOPELESS * 3.0_f64.sqrt() * sigma);
     above(left.position, noise.position) || above(left.rotation, noise.rotation)
@@ -184,8 +186,8 @@ fn price_of_places(subject: &Hypotheses<'_>, names: &[Hypothesis]) -> f64 {
 /// Effects that were not found with their limits, and those that these data cannot see.
 fn not_found(
     subject: &Hypotheses<'_>,
-    model: &Model<'_>,
-    without: &Model<'_>,
+    model: &Model,
+    without: &Model,
     names: &[Hypothesis],
     causes: &[Cause],
 ) -> (Vec<NotFound>, Vec<NotTestable>) {
@@ -207,11 +209,14 @@ fn not_found(
     (found, unseen)
 }
 
-fn gain(question: &Question<'_>, without: &Model<'_>, with: &Model<'_>, kept: &[usize]) -> Gain {
+fn gain(question: &Question<'_>, without: &Model, with: &Model, kept: &[usize]) -> Gain {
     let random = folds(kept, Some(question.seed));
     let blocks = folds(kept, None);
-    let (before, after) = (held_out(without, &random), held_out(with, &random));
-    let (blocked_before, blocked_after) = (held_out(without, &blocks), held_out(with, &blocks));
+    let (before, blocked_before) = (held_out(without, &random), held_out(without, &blocks));
+    let (after, blocked_after) = match std::ptr::eq(without, with) {
+        true => (before, blocked_before),
+        false => (held_out(with, &random), held_out(with, &blocks)),
+    };
     let noise = &question.data.noise;
     let floor = |sigma: f64| noise.known.then(|| 3.0_f64.sqrt() * sigma);
     Gain {

@@ -30,29 +30,29 @@ pub(crate) fn folds(kept: &[usize], seed: Option<u64>) -> Vec<Vec<usize>> {
 }
 
 /// Held-out errors of a model; `None` for a fold without which the rest decides nothing.
-pub(crate) fn held_out(model: &Model<'_>, folds: &[Vec<usize>]) -> Option<ErrorSummary> {
+pub(crate) fn held_out(model: &Model, folds: &[Vec<usize>]) -> Option<ErrorSummary> {
     let mut squares = Squares::default();
+    let table = model.table();
     for fold in folds {
-        let rows: Vec<(usize, usize)> = fold.iter().map(|k| model.table.rows[*k]).collect();
+        let rows: Vec<(usize, usize)> = fold.iter().map(|k| table.rows[*k]).collect();
+        let (first, n) = *rows.first()?;
+        let z = model.leverage(first, n).nrows();
         let count = rows.iter().map(|(_, n)| n).sum();
-        let mut q: Option<DMatrix<f64>> = None;
+        let mut q_t = DMatrix::zeros(z, count);
         let mut r = DVector::zeros(count);
         let mut at = 0;
         for (first, n) in &rows {
-            let part = model.leverage_rows(*first, *n);
-            let all = q.get_or_insert_with(|| DMatrix::zeros(count, part.ncols()));
-            all.rows_mut(at, *n).copy_from(&part);
+            q_t.columns_mut(at, *n).copy_from(&model.leverage(*first, *n));
             r.rows_mut(at, *n).copy_from(&model.residual.rows(*first, *n));
             at += n;
         }
-        let q = q?;
-        let inner = DMatrix::identity(q.ncols(), q.ncols()) - q.tr_mul(&q);
+        let inner = DMatrix::identity(z, z) - &q_t * q_t.transpose();
         let factor = Cholesky::new(inner).filter(|f| f.l_dirty().diagonal().min() > 1e-5)?;
-        let predicted = &r + &q * factor.solve(&q.tr_mul(&r));
+        let predicted = &r + q_t.tr_mul(&factor.solve(&(&q_t * &r)));
         let mut at = 0;
         for k in fold {
-            let n = model.table.rows[*k].1;
-            squares.add(model.table, *k, &predicted.rows(at, n).into_owned());
+            let n = table.rows[*k].1;
+            squares.add(table, *k, &predicted.rows(at, n).into_owned());
             at += n;
         }
     }

@@ -17,7 +17,7 @@ pub(crate) fn lambda(rank: usize, tests: usize, places: usize) -> f64 {
 
 /// The limit of the first parameter of an effect alone; `None` if the data do not see it. Where places are tried out, that
 /// of the place in the middle of their order by size.
-pub(crate) fn limit(model: &Model<'_>, groups: &[EffectColumns], group: usize, tests: usize) -> Option<NotFound> {
+pub(crate) fn limit(model: &Model, groups: &[EffectColumns], group: usize, tests: usize) -> Option<NotFound> {
     let asked = model.ask_everywhere(groups, group);
     let places = asked.len();
     let mut seen: Vec<(f64, usize)> = asked

@@ -9,13 +9,23 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::diagnosis::linear::spreads::Spreads;
 use crate::measurement::RowKind;
+
+/// Columns of the table that act from one row on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Block {
+    /// The columns.
+    pub(crate) columns: Range<usize>,
+    /// The first row on which they act.
+    pub(crate) first: usize,
+}
 
 /// Residual and columns.
 #[derive(Clone, Debug)]
 pub(crate) struct DesignMatrix {
-    /// Whitened columns (rows × (nuisance + effects + joints)).
-    pub(crate) a: DMatrix<f64>,
+    /// Whitened columns, transposed ((nuisance + effects + joints) × rows), so that a sample is one piece of memory.
+    pub(crate) a_t: DMatrix<f64>,
     /// Whitened residual.
     pub(crate) r: DVector<f64>,
     /// First row and number of rows of each sample.
@@ -40,17 +50,14 @@ pub(crate) struct DesignMatrix {
 
 impl DesignMatrix {
     /// Divides each row by the spread of the joint that moves it most, of its kind, and of its sample.
-    pub(crate) fn spread(&mut self, of_joints: &[f64], of_kinds: Option<[f64; 2]>, of_samples: &[f64]) {
-        if of_joints.is_empty() && of_kinds.is_none() && of_samples.is_empty() {
+    pub(crate) fn weigh(&mut self, spreads: &Spreads) {
+        if spreads.are_as_stated() {
             return;
         }
         for (k, (first, n)) in self.rows.clone().into_iter().enumerate() {
-            let of_sample = of_samples.get(k).copied().unwrap_or(1.0);
             for i in 0..n {
-                let of_joint = if of_joints.is_empty() { 1.0 } else { of_joints[self.joint_of(first + i)] };
-                let of_kind = of_kinds.map_or(1.0, |k| k[usize::from(self.kinds[first + i] == RowKind::Rotation)]);
-                let spread = of_sample * of_joint * of_kind;
-                self.a.row_mut(first + i).unscale_mut(spread);
+                let spread = spreads.of_row(k, || self.joint_of(first + i), self.kinds[first + i]);
+                self.a_t.column_mut(first + i).unscale_mut(spread);
                 self.r[first + i] /= spread;
                 self.unwhiten[k].column_mut(i).scale_mut(spread);
             }
@@ -59,15 +66,15 @@ impl DesignMatrix {
 
     /// The joint that moves a row most.
     fn joint_of(&self, row: usize) -> usize {
-        let size = |k: &usize| self.a[(row, self.joints.start + k)].abs();
+        let size = |k: &usize| self.a_t[(self.joints.start + k, row)].abs();
         (0..self.joints.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 
     /// Root mean square of a residual over the rows that each joint moves, in units of the present spread. Joints that move
-    /// no row, or whose rows are fitted to rounding, have the median of the others.
-    pub(crate) fn spreads_of(&self, residual: &DVector<f64>, left_out: &[usize]) -> Vec<f64> {
+    /// no row, or whose rows are fitted to rounding, have the median of the others. `kept` are rows of samples.
+    pub(crate) fn spreads_of(&self, residual: &DVector<f64>, kept: impl Iterator<Item = (usize, usize)>) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.joints.len()];
-        for (first, n) in self.kept_rows(left_out) {
+        for (first, n) in kept {
             for row in first..first + n {
                 let sum = &mut sums[self.joint_of(row)];
                 *sum = (sum.0 + residual[row] * residual[row], sum.1 + 1.0);
@@ -80,24 +87,20 @@ impl DesignMatrix {
         roots.into_iter().map(|r| if r > 1e-9 * median { r } else { median }).collect()
     }
 
-    /// The same with the rows of these samples set to zero.
-    pub(crate) fn without(&self, left_out: &[usize]) -> Self {
-        let mut table = self.clone();
-        for (first, n) in left_out.iter().map(|k| self.rows[*k]) {
-            table.a.rows_mut(first, n).fill(0.0);
-            table.r.rows_mut(first, n).fill(0.0);
-        }
-        table
+    /// The sum of the columns of a block times `values` (rows).
+    pub(crate) fn combined(&self, block: &Block, values: &[f64]) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.r.len());
+        let rows = self.r.len() - block.first;
+        let part = self.a_t.view((block.columns.start, block.first), (block.columns.len(), rows));
+        sum.rows_mut(block.first, rows).gemv_tr(1.0, &part, &DVector::from_column_slice(values), 0.0);
+        sum
     }
 
-    /// First row and number of rows of each sample that is not left out.
-    pub(crate) fn kept_rows<'t>(&'t self, left_out: &'t [usize]) -> impl Iterator<Item = (usize, usize)> + 't {
-        self.rows.iter().enumerate().filter(|(k, _)| !left_out.contains(k)).map(|(_, rows)| *rows)
-    }
-
-    /// Number of rows of the samples that are not left out.
-    pub(crate) fn count(&self, left_out: &[usize]) -> usize {
-        self.r.len() - left_out.iter().map(|k| self.rows[*k].1).sum::<usize>()
+    /// The columns of a block (rows × columns).
+    pub(crate) fn columns(&self, block: &Block) -> DMatrix<f64> {
+        let mut columns = self.a_t.rows(block.columns.start, block.columns.len()).transpose();
+        columns.rows_mut(0, block.first).fill(0.0);
+        columns
     }
 
     /// Number of samples.

@@ -4,18 +4,19 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::answer::result::NotTestable;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::linear::unit_joint::UnitJoint;
 use crate::effect::{
     ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, EffectParameter, Environment, Extended,
     Scan, ScanPoint, WithInstrumentEffects,
 };
 use crate::identification::{CalibrationProblem, IdentifyError, Prior, Task};
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, RowKind};
 use crate::mechanism::Mechanism;
 use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, SolveError, least_squares, linearized};
 
@@ -59,15 +60,6 @@ pub(crate) struct Hypotheses<'a> {
     pub(crate) environment: Arc<Environment>,
     pub(crate) prior: Prior,
     pub(crate) groups: Vec<EffectColumns>,
-    /// Columns of the nuisance and of all groups; unit displacements of the joints stand behind them.
-    pub(crate) columns: usize,
-    /// For each joint the σ of the rows that it moves over the stated one; in pose space, where each coordinate has its
-    /// own. Empty if rows are as stated.
-    pub(crate) spreads: Vec<f64>,
-    /// The σ of position rows and of rotation rows over the stated one, where their ratio is not the stated one.
-    pub(crate) kind_spreads: Option<[f64; 2]>,
-    /// The σ of each sample over the stated one, where the noise was found to vary. Empty if it does not.
-    pub(crate) sample_spreads: Vec<f64>,
 }
 
 /// Values at which the table is made.
@@ -113,20 +105,7 @@ impl<'a> Hypotheses<'a> {
                 groups.push(EffectColumns { effect: Arc::clone(effect), parameters, places });
             }
         }
-        (
-            Self {
-                mechanism,
-                data,
-                environment,
-                prior,
-                groups,
-                columns: next,
-                spreads: Vec::new(),
-                kind_spreads: None,
-                sample_spreads: Vec::new(),
-            },
-            missing,
-        )
+        (Self { mechanism, data, environment, prior, groups }, missing)
     }
 
     /// True if the joints are the coordinates of the pose.
@@ -141,69 +120,73 @@ impl<'a> Hypotheses<'a> {
         Ok(Extended::new(inner, Arc::clone(&self.environment), all))
     }
 
-    /// Everything that is asked, with values of zero.
-    fn asked(&self) -> Vec<ActiveEffect> {
-        let mut asked: Vec<ActiveEffect> = Vec::new();
-        for group in &self.groups {
-            for place in &group.places {
-                asked.push(ActiveEffect {
-                    effect: Arc::clone(&group.effect),
-                    at: place.at.clone(),
-                    values: vec![0.0; group.parameters.len()],
-                    range: Default::default(),
-                });
-            }
-        }
-        let n = self.mechanism.joints().len();
-        let unit: Arc<dyn Effect> = Arc::new(UnitJoint);
-        asked.push(ActiveEffect {
-            effect: unit,
-            at: ScanPoint::none(),
-            values: vec![0.0; n],
+    /// Everything that is asked, with values of zero; or unit displacements of the joints alone.
+    fn asked(&self, effects: bool) -> Vec<ActiveEffect> {
+        let zero = |effect: &Arc<dyn Effect>, at: ScanPoint, count: usize| ActiveEffect {
+            effect: Arc::clone(effect),
+            at,
+            values: vec![0.0; count],
             range: Default::default(),
-        });
+        };
+        let mut asked: Vec<ActiveEffect> = Vec::new();
+        for group in self.groups.iter().filter(|_| effects) {
+            asked.extend(group.places.iter().map(|p| zero(&group.effect, p.at.clone(), group.parameters.len())));
+        }
+        let unit: Arc<dyn Effect> = Arc::new(UnitJoint);
+        asked.push(zero(&unit, ScanPoint::none(), self.mechanism.joints().len()));
         asked
     }
 
-    /// Makes the table at a point.
-    pub(crate) fn table(&self, point: &Point) -> Result<DesignMatrix, DiagnoseError> {
-        let asked = self.asked();
+    /// Makes the table at a point, with rows weighted by these spreads.
+    pub(crate) fn table(&self, point: &Point, spreads: &Spreads) -> Result<DesignMatrix, DiagnoseError> {
+        self.table_with(point, spreads, true)
+    }
+
+    /// The table without the columns of effects.
+    pub(crate) fn table_of_parameters(&self, point: &Point, spreads: &Spreads) -> Result<DesignMatrix, DiagnoseError> {
+        self.table_with(point, spreads, false)
+    }
+
+    fn table_with(&self, point: &Point, spreads: &Spreads, effects: bool) -> Result<DesignMatrix, DiagnoseError> {
+        let asked = self.asked(effects);
         let extended = self.extended(point, &asked)?;
         let everything: Vec<ActiveEffect> = point.effects.iter().chain(&asked).cloned().collect();
         let seen = WithInstrumentEffects::wrap(self.data, self.mechanism, &self.environment, &everything)?;
-        let task = Task::new(&extended, &seen);
-        let mut problem = CalibrationProblem::new(&task)?;
-        let x = problem.start();
-        let (r, j) = linearized(&mut problem, &x).map_err(IdentifyError::Solve)?;
-        let m = r.len();
-        // The columns of J: mechanism, effects on it, own parameters, effects on the measurement.
+        // The columns of the Jacobian: mechanism, effects on it, own parameters, effects on the measurement.
         let specs = self.mechanism.parameters().len();
         let first_own = extended.parameters().len();
         let own = self.data.model().nuisance_parameters().len();
         let nuisance = specs + own;
-        let mut a = DMatrix::zeros(m, self.columns + self.mechanism.joints().len());
-        a.columns_mut(0, specs).copy_from(&j.columns(0, specs));
-        a.columns_mut(specs, own).copy_from(&j.columns(first_own, own));
-        let mut to = nuisance;
-        for from in unknowns(&everything, specs, first_own + own).into_iter().skip(point.effects.len()) {
-            a.columns_mut(to, from.len()).copy_from(&j.columns(from.start, from.len()));
-            to += from.len();
+        let mut from: Vec<usize> = (0..specs).chain(first_own..first_own + own).collect();
+        for columns in unknowns(&everything, specs, first_own + own).into_iter().skip(point.effects.len()) {
+            from.extend(columns);
+        }
+        let problem = CalibrationProblem::new(&Task::new(&extended, &seen))?;
+        let all: Vec<usize> = (0..seen.len()).collect();
+        let mut parts = Parts::default();
+        for (k, some) in all.chunks(AT_ONCE).enumerate() {
+            parts.add(&problem, some, &from)?;
+            if k == 0 && all.len() > AT_ONCE {
+                // Samples have about as many rows each.
+                parts.a_t.reserve_exact(parts.a_t.len() / AT_ONCE * (all.len() - AT_ONCE));
+            }
         }
         let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
+        let m = parts.r.len();
         let mut table = DesignMatrix {
-            r,
-            rows: problem.sample_rows(),
-            kinds: problem.row_kinds(),
+            a_t: DMatrix::from_vec(from.len(), m, parts.a_t),
+            r: DVector::from_vec(parts.r),
+            rows: parts.rows,
+            kinds: parts.kinds,
             nuisance,
-            joints: self.columns..a.ncols(),
-            a,
+            joints: from.len() - self.mechanism.joints().len()..from.len(),
             precision,
             gradient,
             penalty,
-            own: x.rows(first_own, own).iter().copied().collect(),
-            unwhiten: problem.unwhitening(),
+            own: problem.start().rows(first_own, own).iter().copied().collect(),
+            unwhiten: parts.unwhiten,
         };
-        table.spread(&self.spreads, self.kind_spreads, &self.sample_spreads);
+        table.weigh(spreads);
         Ok(table)
     }
 
@@ -235,6 +218,37 @@ impl<'a> Hypotheses<'a> {
             effect.values.copy_from_slice(&x[place]);
         }
         Ok(fitted)
+    }
+}
+
+/// Samples that are linearized at once: their Jacobian is a second copy of their columns.
+const AT_ONCE: usize = 512;
+
+/// What the samples of a table give, one part of them after the other.
+#[derive(Default)]
+struct Parts {
+    a_t: Vec<f64>,
+    r: Vec<f64>,
+    rows: Vec<(usize, usize)>,
+    kinds: Vec<RowKind>,
+    unwhiten: Vec<DMatrix<f64>>,
+}
+
+impl Parts {
+    /// Residual and Jacobian of further samples of a problem at its start, of which these columns are taken.
+    fn add(&mut self, all: &CalibrationProblem<'_>, some: &[usize], from: &[usize]) -> Result<(), DiagnoseError> {
+        let x = all.start();
+        let mut problem = all.subset(some, &x);
+        let (r, j) = linearized(&mut problem, &x).map_err(IdentifyError::Solve)?;
+        let before = self.r.len();
+        self.rows.extend(problem.sample_rows().into_iter().map(|(first, n)| (before + first, n)));
+        self.kinds.extend(problem.row_kinds());
+        self.unwhiten.extend(problem.unwhitening());
+        self.r.extend(r.iter());
+        for row in 0..r.len() {
+            self.a_t.extend(from.iter().map(|column| j[(row, *column)]));
+        }
+        Ok(())
     }
 }
 

@@ -2,62 +2,31 @@
 //!
 //! With `Z` the columns of the model and `P` the precision of the prior let `L Lᵀ = Zᵀ Z + P` and `Q = Z L⁻ᵀ`. The fit
 //! leaves `r - Q t` with `t = Qᵀ r + L⁻¹ P (x - x₀)`. A further block of columns `X` is projected by
-//! `S = Xᵀ X - (Qᵀ X)ᵀ (Qᵀ X)`, its gradient is `c = Xᵀ r - (Qᵀ X)ᵀ t`, and it would take `cᵀ S⁻¹ c` off the sum of
+//! `S = Xᵀ X - (Qᵀ X)ᵀ (Qᵀ X)`, its gradient is `c = Xᵀ (r - Q t)`, and it would take `cᵀ S⁻¹ c` off the sum of
 //! squares with the values `-S⁻¹ c`. No refit is needed for any question.
+//!
+//! `Qᵀ X = L⁻¹ Zᵀ X` is a piece of the products that [`KeptRows`] holds, so that only questions to single samples pass
+//! over the rows. The prior bounds the condition of `Zᵀ Z + P`, and a ridge of the size of rounding holds what it does
+//! not know; columns of which less than `1e-8` of the length squared is left beside the model count as not seen.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::iter::once;
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::design_matrix::{Block, DesignMatrix};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
-use crate::diagnosis::linear::joint_functions::JointFunctions;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::joint_functions::JointSamples;
+use crate::diagnosis::linear::kept_rows::{BlockProducts, KeptRows, between};
+use crate::diagnosis::linear::normal_equations::{inverse_factor, residual};
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::Noise;
-use crate::effect::ScanPoint;
-use crate::measurement::DataRow;
-
-/// An effect at a place, as the search handles it.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Hypothesis {
-    /// Which group of the subject.
-    pub(crate) group: usize,
-    /// Which place of the group.
-    pub(crate) place: usize,
-    /// Sample (position in the data) from which on it acts, if rows are scanned.
-    pub(crate) from: Option<usize>,
-}
-
-impl Hypothesis {
-    /// The place in the terms of the effect; `rows` are the data rows of the samples.
-    pub(crate) fn at(&self, groups: &[EffectColumns], rows: &[DataRow]) -> ScanPoint {
-        let mut at = groups[self.group].places[self.place].at.clone();
-        at.row = self.from.map(|k| rows[k].0);
-        at
-    }
-}
-
-/// A fitted model.
-#[derive(Debug)]
-pub(crate) struct Model<'a> {
-    pub(crate) table: &'a DesignMatrix,
-    pub(crate) candidates: Vec<Hypothesis>,
-    factor: Cholesky<f64, Dyn>,
-    /// `Q` (rows × z).
-    q: DMatrix<f64>,
-    t: DVector<f64>,
-    /// `Qᵀ A` for all columns of the table.
-    w: DMatrix<f64>,
-    /// The residual of the fit.
-    pub(crate) residual: DVector<f64>,
-    pub(crate) noise: Noise,
-    inflation: f64,
-}
 
 /// How a model is fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitting {
-    /// Rows that count, without samples that were left out.
-    pub(crate) rows: usize,
     /// Estimated σ of the readings over the stated one, for the weight of the prior.
     pub(crate) scale: f64,
     /// How many rows say what one independent row would, for rows that repeat each other.
@@ -66,91 +35,149 @@ pub(crate) struct Fitting {
     pub(crate) known: bool,
 }
 
-/// The columns of a candidate.
-pub(crate) fn columns_of(table: &DesignMatrix, groups: &[EffectColumns], candidate: &Hypothesis) -> DMatrix<f64> {
-    let place = &groups[candidate.group].places[candidate.place];
-    let mut columns = table.a.columns(place.columns.start, place.columns.len()).into_owned();
-    if let Some(from) = candidate.from {
-        columns.rows_mut(0, table.rows[from].0).fill(0.0);
-    }
-    columns
+/// A fitted model.
+#[derive(Debug)]
+pub(crate) struct Model {
+    pub(crate) kept: Arc<KeptRows>,
+    pub(crate) candidates: Vec<Hypothesis>,
+    /// The columns `Z`: the nuisance, and a block for each candidate.
+    blocks: Vec<Block>,
+    products: Vec<BlockProducts>,
+    /// `L⁻¹`.
+    inverse: DMatrix<f64>,
+    t: DVector<f64>,
+    /// The residual of the fit; zero where samples are left out.
+    pub(crate) residual: DVector<f64>,
+    pub(crate) noise: Noise,
+    inflation: f64,
+    q_t: OnceLock<DMatrix<f64>>,
+    w: OnceLock<DMatrix<f64>>,
+    gradient: OnceLock<DVector<f64>>,
 }
 
-/// The columns of candidates side by side.
-fn columns_of_all(table: &DesignMatrix, groups: &[EffectColumns], candidates: &[Hypothesis]) -> DMatrix<f64> {
-    let blocks: Vec<DMatrix<f64>> = candidates.iter().map(|c| columns_of(table, groups, c)).collect();
-    let mut all = DMatrix::zeros(table.r.len(), blocks.iter().map(DMatrix::ncols).sum());
-    let mut at = 0;
-    for block in &blocks {
-        all.columns_mut(at, block.ncols()).copy_from(block);
-        at += block.ncols();
-    }
-    all
-}
-
-impl<'a> Model<'a> {
+impl Model {
     /// Fits the nuisance and these effects.
     pub(crate) fn fit(
-        table: &'a DesignMatrix,
+        kept: &Arc<KeptRows>,
         groups: &[EffectColumns],
         candidates: Vec<Hypothesis>,
         fitting: &Fitting,
     ) -> Result<Self, DiagnoseError> {
-        let effects = columns_of_all(table, groups, &candidates);
-        let z_count = table.nuisance + effects.ncols();
-        let mut z = DMatrix::zeros(table.r.len(), z_count);
-        z.columns_mut(0, table.nuisance).copy_from(&table.a.columns(0, table.nuisance));
-        z.columns_mut(table.nuisance, effects.ncols()).copy_from(&effects);
-        let mut normal = z.transpose() * &z;
+        let table = &kept.table;
+        let nuisance = Block { columns: 0..table.nuisance, first: 0 };
+        let blocks: Vec<Block> = once(nuisance).chain(candidates.iter().map(|c| c.block(groups, table))).collect();
+        let products: Vec<BlockProducts> = blocks.iter().map(|b| kept.products(b.clone())).collect();
+        let square = between(&products, &products);
         let weight = fitting.scale * fitting.scale;
-        let mut corner = normal.view_mut((0, 0), (table.nuisance, table.nuisance));
-        corner += &table.precision * weight;
-        // Columns that vanish, or that repeat others, are held where they are.
-        let largest = normal.diagonal().map(|v| if v > 0.0 { v } else { 1.0 });
-        for k in 0..z_count {
-            normal[(k, k)] += RIDGE * largest[k];
+        let inverse = inverse_factor(square.clone(), &(&table.precision * weight))?;
+        let mut moment = DVector::zeros(square.nrows());
+        let mut at = 0;
+        for part in &products {
+            moment.rows_mut(at, part.with_residual.len()).copy_from(&part.with_residual);
+            at += part.with_residual.len();
         }
-        let factor = Cholesky::new(normal).ok_or(DiagnoseError::Singular)?;
-        let l = factor.l();
-        let mut q = z.transpose();
-        if !l.solve_lower_triangular_mut(&mut q) {
-            return Err(DiagnoseError::Singular);
-        }
-        let q = q.transpose();
-        let mut gradient = DVector::zeros(z_count);
-        gradient.rows_mut(0, table.nuisance).copy_from(&(&table.gradient * weight));
-        if !l.solve_lower_triangular_mut(&mut gradient) {
-            return Err(DiagnoseError::Singular);
-        }
-        let t = q.tr_mul(&table.r) + gradient;
-        let residual = &table.r - &q * &t;
-        let w = q.transpose() * &table.a;
-        let dof = (fitting.rows as f64 - q.norm_squared()) / fitting.inflation;
+        let mut corner = moment.rows_mut(0, table.nuisance);
+        corner += &table.gradient * weight;
+        let t = &inverse * moment;
+        let residual = residual(kept, &blocks, &inverse.tr_mul(&t));
         let rss = residual.norm_squared() / fitting.inflation;
-        let whole = (table.r.norm_squared() + table.penalty * weight - t.norm_squared()) / fitting.inflation;
-        let noise = Noise { rss, objective: whole.max(rss), dof, known: fitting.known };
-        Ok(Self { table, candidates, factor, q, t, w, residual, noise, inflation: fitting.inflation })
+        let whole = (kept.r.norm_squared() + table.penalty * weight - t.norm_squared()) / fitting.inflation;
+        let noise = Noise { rss, objective: whole.max(rss), dof: 0.0, known: fitting.known };
+        let mut model = Self {
+            kept: Arc::clone(kept),
+            candidates,
+            blocks,
+            products,
+            inverse,
+            t,
+            residual,
+            noise,
+            inflation: fitting.inflation,
+            q_t: OnceLock::new(),
+            w: OnceLock::new(),
+            gradient: OnceLock::new(),
+        };
+        model.noise.dof = (kept.count() as f64 - model.leverage_of_all(&square)) / fitting.inflation;
+        Ok(model)
+    }
+
+    /// The length squared of `Q`. `L⁻¹ ZᵀZ L⁻ᵀ` has it as its trace, but where directions are held by little more than
+    /// rounding its entries are rounding over rounding, and the rows themselves are asked.
+    fn leverage_of_all(&self, square: &DMatrix<f64>) -> f64 {
+        let inflated = |k: usize| square[(k, k)] * self.inverse.column(k).norm_squared();
+        if (0..square.nrows()).all(|k| inflated(k) < SOUND) {
+            return (&self.inverse * square).dot(&self.inverse);
+        }
+        self.q_t().norm_squared()
+    }
+
+    pub(crate) fn table(&self) -> &DesignMatrix {
+        &self.kept.table
+    }
+
+    /// `Qᵀ` (z × rows), zero where samples are left out.
+    fn q_t(&self) -> &DMatrix<f64> {
+        self.q_t.get_or_init(|| {
+            let a_t = &self.table().a_t;
+            let mut q_t = DMatrix::zeros(self.inverse.nrows(), a_t.ncols());
+            let mut at = 0;
+            for block in &self.blocks {
+                let (p, rows) = (block.columns.len(), a_t.ncols() - block.first);
+                let columns = a_t.view((block.columns.start, block.first), (p, rows));
+                q_t.columns_mut(block.first, rows).gemm(1.0, &self.inverse.columns(at, p), &columns, 1.0);
+                at += p;
+            }
+            self.kept.clear(&mut q_t);
+            q_t
+        })
+    }
+
+    /// `Qᵀ A` for all columns of the table.
+    fn w(&self) -> &DMatrix<f64> {
+        self.w.get_or_init(|| {
+            let mut all = DMatrix::zeros(self.inverse.nrows(), self.table().a_t.nrows());
+            let mut at = 0;
+            for part in &self.products {
+                all.rows_mut(at, part.with_all.nrows()).copy_from(&part.with_all);
+                at += part.with_all.nrows();
+            }
+            &self.inverse * all
+        })
+    }
+
+    /// The products of all columns of the table with the residual.
+    fn gradient(&self) -> &DVector<f64> {
+        self.gradient.get_or_init(|| &self.table().a_t * &self.residual)
     }
 
     /// True if what is left is that of rounded numbers and no noise: data from a simulation without any.
     pub(crate) fn is_rounding(&self) -> bool {
-        self.noise.rss <= ROUNDING * ROUNDING * self.table.r.len() as f64
+        self.noise.rss <= ROUNDING * ROUNDING * self.residual.len() as f64
     }
 
     /// Further columns of the table, by their numbers.
     fn ask(&self, columns: std::ops::Range<usize>) -> ScoreTest {
-        let x = self.table.a.columns(columns.start, columns.len());
-        let w = self.w.columns(columns.start, columns.len());
-        let square = x.tr_mul(&x);
-        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+        let w = self.w().columns(columns.start, columns.len());
+        let square = self.kept.square(&columns);
+        let c = self.gradient().rows(columns.start, columns.len()).into_owned();
+        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &c, self.inflation)
     }
 
     /// The columns of these candidates together.
     pub(crate) fn ask_all(&self, groups: &[EffectColumns], candidates: &[Hypothesis]) -> ScoreTest {
-        let x = columns_of_all(self.table, groups, candidates);
-        let w = self.q.transpose() * &x;
-        let square = x.transpose() * &x;
-        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &x.tr_mul(&self.residual), self.inflation)
+        let blocks: Vec<Block> = candidates.iter().map(|c| c.block(groups, self.table())).collect();
+        let products: Vec<BlockProducts> = blocks.iter().map(|b| self.kept.products(b.clone())).collect();
+        let w = &self.inverse * between(&self.products, &products);
+        let square = between(&products, &products);
+        let mut c = DVector::zeros(square.nrows());
+        let mut at = 0;
+        for block in &blocks {
+            let (p, rows) = (block.columns.len(), self.residual.len() - block.first);
+            let columns = self.table().a_t.view((block.columns.start, block.first), (p, rows));
+            c.rows_mut(at, p).gemv(1.0, &columns, &self.residual.rows(block.first, rows), 0.0);
+            at += p;
+        }
+        ScoreTest::of(&square, &(&square - w.tr_mul(&w)), &c, self.inflation)
     }
 
     /// An effect at every place of its scan.
@@ -162,7 +189,7 @@ impl<'a> Model<'a> {
                 continue;
             }
             // A step before the first row is an offset, and one at the last row an outlier.
-            let last = self.table.samples().saturating_sub(1);
+            let last = self.table().samples().saturating_sub(1);
             let steps = self.ask_from_each_row(p.columns.clone()).into_iter().enumerate().take(last).skip(1);
             all.extend(steps.map(|(from, asked)| (Hypothesis { group, place, from: Some(from) }, asked)));
         }
@@ -172,16 +199,23 @@ impl<'a> Model<'a> {
     /// A block of columns that acts from each sample on, in order: the sums over the samples from there to the end.
     fn ask_from_each_row(&self, columns: std::ops::Range<usize>) -> Vec<ScoreTest> {
         let p = columns.len();
-        let x = self.table.a.columns(columns.start, p);
-        let mut w = DMatrix::zeros(self.q.ncols(), p);
+        let (table, q_t) = (self.table(), self.q_t());
+        let x = table.a_t.rows(columns.start, p);
+        let mut w = DMatrix::zeros(q_t.nrows(), p);
         let mut square = DMatrix::zeros(p, p);
         let mut c = DVector::zeros(p);
-        let mut all = Vec::with_capacity(self.table.samples());
-        for (first, n) in self.table.rows.iter().rev() {
-            let part = x.rows(*first, *n);
-            w.gemm_tr(1.0, &self.q.rows(*first, *n), &part, 1.0);
-            square.gemm_tr(1.0, &part, &part, 1.0);
-            c.gemv_tr(1.0, &part, &self.residual.rows(*first, *n), 1.0);
+        let mut all = Vec::with_capacity(table.samples());
+        for (k, (first, n)) in table.rows.iter().enumerate().rev() {
+            if !self.kept.is_out(k) {
+                for row in *first..first + n {
+                    let column = x.column(row);
+                    for (i, v) in column.iter().enumerate() {
+                        w.column_mut(i).axpy(*v, &q_t.column(row), 1.0);
+                        square.column_mut(i).axpy(*v, &column, 1.0);
+                    }
+                    c.axpy(self.residual[row], &column, 1.0);
+                }
+            }
             let s: DMatrix<f64> = &square - w.tr_mul(&w);
             all.push(ScoreTest::of(&square, &s, &c, self.inflation));
         }
@@ -189,83 +223,71 @@ impl<'a> Model<'a> {
         all
     }
 
-    /// The part of the columns of a candidate that the model cannot imitate.
-    pub(crate) fn projected(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
-        x - &self.q * self.q.tr_mul(x)
+    /// The part of columns, given by rows (rows × p), that the model cannot imitate.
+    pub(crate) fn projected(&self, mut x: DMatrix<f64>) -> DMatrix<f64> {
+        let q_t = self.q_t();
+        let w = q_t * &x;
+        // A few columns at a time need no transposed copy of `Qᵀ`.
+        for (mut to, w) in x.column_iter_mut().zip(w.column_iter()) {
+            to.gemv_tr(-1.0, q_t, &w, 1.0);
+        }
+        x
     }
 
     /// Steps of the nuisance and of the accepted effects from the point of the table.
     pub(crate) fn step(&self) -> DVector<f64> {
-        let mut step = -self.t.clone();
-        // The factor has a positive diagonal.
-        self.factor.l().tr_solve_lower_triangular_mut(&mut step);
-        step
+        -self.inverse.tr_mul(&self.t)
     }
 
     /// Covariance of the parameters of the accepted effects, for unit noise.
     pub(crate) fn effect_covariance(&self) -> DMatrix<f64> {
-        let first = self.table.nuisance;
-        let count = self.q.ncols() - first;
-        self.factor.inverse().view((first, first), (count, count)).into_owned()
+        let first = self.table().nuisance;
+        let columns = self.inverse.columns(first, self.inverse.ncols() - first);
+        columns.tr_mul(&columns)
     }
 
-    /// `Q` of the rows of a sample.
-    pub(crate) fn leverage_rows(&self, first: usize, n: usize) -> DMatrix<f64> {
-        self.q.rows(first, n).into_owned()
+    /// `Qᵀ` of the rows of a sample (z × rows).
+    pub(crate) fn leverage(&self, first: usize, n: usize) -> nalgebra::DMatrixView<'_, f64> {
+        self.q_t().columns(first, n)
     }
 
-    /// Residual and `Q` of the rows of a sample that was left out, from the table that still has it.
-    pub(crate) fn predicted(
-        &self,
-        full: &DesignMatrix,
-        groups: &[EffectColumns],
-        first: usize,
-        n: usize,
-    ) -> (DVector<f64>, DMatrix<f64>) {
-        let mut z = DMatrix::zeros(n, self.q.ncols());
-        z.columns_mut(0, full.nuisance).copy_from(&full.a.view((first, 0), (n, full.nuisance)));
-        let mut at = full.nuisance;
-        for candidate in &self.candidates {
-            let place = &groups[candidate.group].places[candidate.place];
-            let p = place.columns.len();
-            let acts = candidate.from.is_none_or(|from| first >= full.rows[from].0);
-            if acts {
-                z.columns_mut(at, p).copy_from(&full.a.view((first, place.columns.start), (n, p)));
+    /// Residual and `Qᵀ` of the rows of a sample that was left out.
+    pub(crate) fn predicted(&self, first: usize, n: usize) -> (DVector<f64>, DMatrix<f64>) {
+        let table = self.table();
+        let mut q_t = DMatrix::zeros(self.inverse.nrows(), n);
+        let mut at = 0;
+        for block in &self.blocks {
+            let p = block.columns.len();
+            if first >= block.first {
+                let columns = table.a_t.view((block.columns.start, first), (p, n));
+                q_t.gemm(1.0, &self.inverse.columns(at, p), &columns, 1.0);
             }
             at += p;
         }
-        let mut q = z.transpose();
-        self.factor.l().solve_lower_triangular_mut(&mut q);
-        let q = q.transpose();
-        let residual = full.r.rows(first, n) - &q * &self.t;
-        (residual, q)
+        (table.r.rows(first, n) - q_t.tr_mul(&self.t), q_t)
     }
 
-    /// `Qᵀ` times functions of the sample times the unit displacement of a joint: one column for each function.
-    pub(crate) fn joint_functions(&self, joint: usize, functions: &DMatrix<f64>) -> JointFunctions {
-        let one = self.joint_samples(joint);
-        JointFunctions { w: &one.w * functions, functions: functions.clone(), ..one }
-    }
-
-    /// The same for the functions that are one on a single sample each.
-    pub(crate) fn joint_samples(&self, joint: usize) -> JointFunctions {
-        let column = self.table.joints.start + joint;
-        let samples = self.table.samples();
-        let mut per_sample = DMatrix::zeros(self.q.ncols(), samples);
+    /// The unit displacement of a joint in each sample by itself.
+    pub(crate) fn joint_samples(&self, joint: usize) -> JointSamples {
+        let (table, q_t) = (self.table(), self.q_t());
+        let column = table.joints.start + joint;
+        let samples = table.samples();
+        let mut w = DMatrix::zeros(q_t.nrows(), samples);
         let mut square = DVector::zeros(samples);
         let mut along = DVector::zeros(samples);
-        for (k, (first, n)) in self.table.rows.iter().enumerate() {
-            let v = self.table.a.view((*first, column), (*n, 1));
-            let mut to = per_sample.column_mut(k);
-            to.gemv_tr(1.0, &self.q.rows(*first, *n), &v.column(0), 0.0);
-            square[k] = v.norm_squared();
-            along[k] = v.column(0).dot(&self.residual.rows(*first, *n));
+        for (k, (first, n)) in table.rows.iter().enumerate().filter(|(k, _)| !self.kept.is_out(*k)) {
+            for row in *first..first + n {
+                let v = table.a_t[(column, row)];
+                w.column_mut(k).axpy(v, &q_t.column(row), 1.0);
+                square[k] += v * v;
+                along[k] += v * self.residual[row];
+            }
         }
-        JointFunctions { w: per_sample, square, along, functions: DMatrix::zeros(0, 0), inflation: self.inflation }
+        JointSamples { w, square, along, inflation: self.inflation }
     }
 }
 
 /// Part of the stated noise (or of a micrometre without one) that is rounding.
 const ROUNDING: f64 = 1e-5;
-/// Relative ridge on the normal equations: rounding.
-const RIDGE: f64 = 1e-13;
+/// Variance of a parameter over that without the others, up to which sums of products keep seven digits.
+const SOUND: f64 = 1e9;

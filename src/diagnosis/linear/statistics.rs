@@ -30,6 +30,12 @@ impl Noise {
         ((self.objective - gain) / (self.dof - p).max(1.0)).max(1e-24 * self.objective)
     }
 
+    /// False for a gain that chance exceeds in more than one of a hundred cases, without the work of a probability.
+    pub(crate) fn may_be_significant(&self, gain: f64, p: usize) -> bool {
+        let left = Self { known: false, ..*self }.variance_after(gain, p as f64);
+        gain > NEVER * p as f64 * left
+    }
+
     /// Probability of a gain at least this large by chance from `p` parameters.
     pub(crate) fn p_value(&self, gain: f64, p: usize) -> f64 {
         if p == 0 || !(gain > 0.0) {
@@ -46,6 +52,10 @@ impl Noise {
         upper_f((gain / p) / left, p, rest).max(stated)
     }
 }
+
+/// An F below this is exceeded by chance more often than once in a hundred, for one to four directions: for four and many
+/// remaining rows it is χ²₄ = 12.8, and the tails for fewer of either are longer.
+const NEVER: f64 = 3.2;
 
 /// Upper tail of Fisher's F; what is no number is no finding.
 pub(crate) fn upper_f(f: f64, p: f64, rest: f64) -> f64 {
@@ -135,6 +145,18 @@ mod tests {
         // R: pchisq(3.841459, 1, ncp = 12.99474, lower = FALSE) = 0.95; pchisq(12.59159, 6, ncp = 20.86, lower = FALSE) = 0.95
         assert!((detection_limit(1, 0.05) - 12.9947).abs() < 0.03);
         assert!((detection_limit(6, 0.05) - 20.86).abs() < 0.1);
+    }
+
+    #[test]
+    fn what_may_not_be_significant_is_not() {
+        for (dof, known) in [(5.0, false), (40.0, false), (1e4, false), (40.0, true)] {
+            let noise = Noise { rss: 1.1 * dof, objective: 1.2 * dof, dof, known };
+            for p in 1..=4 {
+                for gain in (0..400).map(|k| 0.1 * f64::from(k)).filter(|g| *g < noise.objective) {
+                    assert!(noise.may_be_significant(gain, p) || noise.p_value(gain, p) > 0.01, "{dof} {p} {gain}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use crate::diagnosis::answer::limits::limit;
 use crate::diagnosis::answer::result::{NotFound, NotTestable};
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
-use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::kept_rows::KeptRows;
+use crate::diagnosis::linear::model::{Fitting, Model};
+use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::identification::{IdentifyError, Prior};
 use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
@@ -60,17 +62,19 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
     Ok((limits, missing))
 }
 
-/// Columns at the values of the mechanism, without effects.
-pub(crate) fn table_of(subject: &Hypotheses<'_>) -> Result<DesignMatrix, DiagnoseError> {
-    subject.table(&Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 })
+/// All rows at the values of the mechanism, without effects.
+pub(crate) fn table_of(subject: &Hypotheses<'_>) -> Result<Arc<KeptRows>, DiagnoseError> {
+    let point = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
+    let table = subject.table(&point, &Spreads::default())?;
+    Ok(Arc::new(KeptRows::new(Arc::new(table), Vec::new())))
 }
 
 /// The parameters and these effects, with the noise as stated.
-pub(crate) fn model_of<'a>(
+pub(crate) fn model_of(
     subject: &Hypotheses<'_>,
-    table: &'a DesignMatrix,
+    rows: &Arc<KeptRows>,
     effects: Vec<Hypothesis>,
-) -> Result<Model<'a>, DiagnoseError> {
-    let fitting = Fitting { rows: table.r.len(), scale: 1.0, inflation: 1.0, known: true };
-    Model::fit(table, &subject.groups, effects, &fitting)
+) -> Result<Model, DiagnoseError> {
+    let fitting = Fitting { scale: 1.0, inflation: 1.0, known: true };
+    Model::fit(rows, &subject.groups, effects, &fitting)
 }

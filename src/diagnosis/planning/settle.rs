@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::diagnosis::answer::result::{Cause, Diagnosis};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, ScanSite};
-use crate::diagnosis::linear::model::Hypothesis;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::planning::design::{model_of, planned, table_of};
 use crate::diagnosis::planning::scenarios::scenarios;
 use crate::diagnosis::question::{Question, TOLERANCES};

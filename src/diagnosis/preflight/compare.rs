@@ -4,29 +4,28 @@
 //! kinematics, which may not exist for a misread file), and the medians of the whitened misfits are compared. A reading
 //! is only believed if it makes the misfit less than half.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector3, Vector6};
+use std::cell::OnceCell;
+
+use nalgebra::{DMatrix, Vector3, Vector6};
 
 use crate::conditions::Conditions;
 use crate::diagnosis::answer::result::Misread;
 use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
+use crate::diagnosis::preflight::closure_fit::{ClosureFit, Look};
 use crate::diagnosis::preflight::misreadings::{Reading, StatedRows};
 use crate::identification::{Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
-use crate::mechanism::{Linearization, Mechanism, characteristic_length};
+use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention, rotation_vector};
 
 /// A reading must make the misfit this many times smaller.
 const BETTER: f64 = 2.0;
-/// A row this many medians away counts for less.
-const FAR: f64 = 4.0;
 /// Misfit over the spread of the measured poses that a reading may leave.
 const EXPLAINED: f64 = 0.05;
 /// Measured and commanded spread may differ by this factor where a reading makes numbers smaller.
 const SPREAD: f64 = 3.0;
 /// Rows that the first look takes.
 const FEW: usize = 36;
-/// Steps of the fit in the first look, and of the second.
-const STEPS: [usize; 2] = [2, 5];
 /// Readings that get a second look.
 const SECOND: f64 = 4.0;
 
@@ -47,37 +46,40 @@ pub(crate) fn preflight(
     if trial.elsewhere {
         ways.push(true);
     }
-    let stated = |rows: &[usize], steps: usize| {
-        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, steps, *way);
+    let stated = |rows: &[usize], look: Look| {
+        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, look, *way);
         ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     };
-    let (at_first, at_last) = (stated(&few, STEPS[0]), stated(&all, STEPS[1]));
+    let at_first = stated(&few, Look::First);
+    // Asked only if a reading comes near.
+    let at_last = OnceCell::new();
+    let at_last = || *at_last.get_or_init(|| stated(&all, Look::Second));
     readings.retain(|reading| trial.is_commanded(reading, &few));
     let mut sure: Vec<(Reading, f64)> = Vec::new();
     for way in &ways {
         let mut found: Vec<(&Reading, f64)> = readings
             .iter()
-            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, STEPS[0], *way)?)))
+            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, Look::First, *way)?)))
             .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         found.truncate(6);
         sure = found
             .into_iter()
-            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, STEPS[1], *way)?)))
-            .filter(|(reading, misfit)| misfit * BETTER < at_last && trial.explains(reading, *misfit))
+            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, Look::Second, *way)?)))
+            .filter(|(reading, misfit)| misfit * BETTER < at_last() && trial.explains(reading, *misfit))
             .collect();
         if !sure.is_empty() {
             break;
         }
     }
     sure.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (best, misfit) = sure.first().filter(|_| at_last.is_finite())?.clone();
+    let (best, misfit) = sure.first().filter(|_| at_last().is_finite())?.clone();
     let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
     Some(Misread {
         reading: best.name().into(),
         detail: best.detail(),
-        factor: at_last / misfit,
+        factor: at_last() / misfit,
         tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
     })
 }
@@ -104,8 +106,7 @@ struct Trial<'a> {
     data: &'a Dataset,
     table: StatedRows,
     home: Vec<f64>,
-    precision: DMatrix<f64>,
-    prior: &'a Prior,
+    fit: ClosureFit<'a>,
     /// One over the σ of positions and angles.
     weights: Vector6<f64>,
     /// True if the file as it stands is not in the base frame.
@@ -117,7 +118,7 @@ impl<'a> Trial<'a> {
         mechanism: &'a dyn Mechanism,
         data: &'a Dataset,
         convention: &PoseConvention,
-        prior: &'a Prior,
+        prior: &Prior,
     ) -> Option<Self> {
         if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
             return None;
@@ -135,10 +136,10 @@ impl<'a> Trial<'a> {
         }
         let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
         let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
-        let (precision, ..) = prior.quadratic(mechanism.values(), mechanism.parameters().len());
         let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
         let weights = Vector6::new(p, p, p, r, r, r);
-        Some(Self { mechanism, data, table, home, precision, prior, weights, elsewhere })
+        let fit = ClosureFit::new(mechanism, prior, weights);
+        Some(Self { mechanism, data, table, home, fit, weights, elsewhere })
     }
 
     /// True if a misfit is a small part of what was measured: of garbage some reading is always the best.
@@ -195,14 +196,14 @@ impl<'a> Trial<'a> {
 
     /// Median length of the whitened misfit of a row after the parameters are fitted, in the base frame or in frames that
     /// are found first.
-    fn misfit(&self, reading: &Reading, rows: &[usize], steps: usize, find_frames: bool) -> Option<f64> {
+    fn misfit(&self, reading: &Reading, rows: &[usize], look: Look, find_frames: bool) -> Option<f64> {
         let read: Vec<(Vec<f64>, Pose)> =
             rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
         if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
             return None;
         }
         if !find_frames {
-            return self.fitted(&read, &Frames::default(), steps);
+            return self.fit.misfit(&read, &Frames::default(), look);
         }
         let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
         let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
@@ -211,74 +212,6 @@ impl<'a> Trial<'a> {
         let model: std::sync::Arc<dyn MeasurementModel> =
             std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
         let found = register(self.mechanism, &Dataset::new(samples, model, noise)).ok()?;
-        self.fitted(&read, &found.frames, steps)
+        self.fit.misfit(&read, &found.frames, look)
     }
-
-    fn fitted(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, steps: usize) -> Option<f64> {
-        let n = self.mechanism.parameters().len();
-        let mut c = self.mechanism.values().to_vec();
-        let mut lengths = vec![0.0; read.len()];
-        let mut work = Linearization::sized_for(self.mechanism);
-        let mut a = DMatrix::zeros(6 * read.len(), n);
-        let mut r = DVector::zeros(6 * read.len());
-        for step in 0..=steps {
-            for (k, (joints, pose)) in read.iter().enumerate() {
-                let pose = frames.platform(pose);
-                self.mechanism.linearize(&c, joints, &pose, &Conditions::unknown(), &mut work);
-                if work.residual.len() != 6 {
-                    return None;
-                }
-                // The motion by which the measured pose would have to move, and its columns.
-                let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse();
-                let mut inverse = inverse.map_or_else(|| Matrix6::repeat(f64::NAN), |m| -m);
-                for (mut row, w) in inverse.row_iter_mut().zip(self.weights.iter()) {
-                    row *= *w;
-                }
-                r.fixed_rows_mut::<6>(6 * k).copy_from(&(inverse * work.residual.fixed_rows::<6>(0)));
-                if step < steps {
-                    for (j, column) in work.parameters.column_iter().enumerate() {
-                        let mut to = a.fixed_view_mut::<6, 1>(6 * k, j);
-                        to.fill(0.0);
-                        for (i, value) in column.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-                            to.axpy(*value, &inverse.column(i), 1.0);
-                        }
-                    }
-                }
-            }
-            // Rows without a number, and rows that are far from the others, must not lead the fit.
-            for (k, length) in lengths.iter_mut().enumerate() {
-                *length = r.fixed_rows::<6>(6 * k).norm();
-            }
-            let usual = median(&lengths)?;
-            if step == steps {
-                break;
-            }
-            for (k, length) in lengths.iter().enumerate() {
-                let weight = if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
-                if weight < 1.0 {
-                    let rows = 6 * k..6 * k + 6;
-                    for row in rows {
-                        r[row] = if weight > 0.0 { r[row] * weight } else { 0.0 };
-                        a.row_mut(row).apply(|v| *v = if weight > 0.0 { *v * weight } else { 0.0 });
-                    }
-                }
-            }
-            let mut normal = a.transpose() * &a + &self.precision;
-            for k in 0..n {
-                normal[(k, k)] *= 1.0 + 1e-12;
-            }
-            let (_, gradient, _) = self.prior.quadratic(&c, n);
-            let delta = Cholesky::new(normal)?.solve(&(a.tr_mul(&r) + gradient));
-            c.iter_mut().zip(delta.iter()).for_each(|(c, d)| *c -= d);
-        }
-        // An exact file leaves rounding; far below the noise there is nothing to compare.
-        median(&lengths).map(|m| m.max(1e-3))
-    }
-}
-
-/// The median of what is finite, if that is most of it.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    finite.sort_by(f64::total_cmp);
-    (2 * finite.len() > values.len()).then(|| finite[finite.len() / 2])
 }

@@ -1,18 +1,17 @@
-//! Names and outliers in turn, until both stay.
+//! Names, outliers and weights in turn, until all stay.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::DVector;
-
 use crate::diagnosis::answer::result::NoiseVaries;
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{Hypotheses, Point};
-use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
-use crate::diagnosis::search::covariates::covariates;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::kept_rows::KeptRows;
+use crate::diagnosis::linear::model::{Fitting, Model};
+use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::search::noise;
-use crate::diagnosis::search::outliers::{distances, outliers, suspicious};
+use crate::diagnosis::search::outliers::{outliers, suspicious};
 use crate::diagnosis::search::stepwise::Stepwise;
 use crate::effect::ActiveEffect;
 use crate::measurement::DataRow;
@@ -24,11 +23,6 @@ const STEPS: usize = 8;
 /// Degrees of freedom below which nothing is looked for.
 const FEWEST: usize = 12;
 
-/// The samples below `samples` that are not left out.
-fn kept(samples: usize, left_out: &[usize]) -> Vec<usize> {
-    (0..samples).filter(|k| !left_out.contains(k)).collect()
-}
-
 /// Runs the search on a subject.
 pub(crate) struct Search<'a> {
     pub(crate) subject: &'a Hypotheses<'a>,
@@ -39,69 +33,61 @@ pub(crate) struct Search<'a> {
 /// Where the search ended.
 #[derive(Debug)]
 pub(crate) struct SearchState {
-    /// The columns at the end, with the effects' share taken out of the residual; every sample is in it.
-    pub(crate) full: DesignMatrix,
-    /// The columns without the samples that were left out.
-    pub(crate) table: DesignMatrix,
-    pub(crate) names: Vec<Hypothesis>,
-    pub(crate) left_out: Vec<usize>,
+    /// The fitted model of the parameters and the names. The residual of its table is without the effects' share.
+    pub(crate) model: Model,
     pub(crate) fitting: Fitting,
     pub(crate) point: Point,
+    /// The weights with which the rows were fitted.
+    pub(crate) spreads: Spreads,
     /// Correlation from row to row that was found, if any.
     pub(crate) correlation: Option<f64>,
+    /// What the noise was found to vary with.
+    pub(crate) noise_varies: Option<NoiseVaries>,
 }
 
 impl SearchState {
-    /// σ of position rows and of rotation rows over the stated ones, if their ratio is not the stated one.
-    pub(crate) fn ratio(&self, subject: &Hypotheses<'_>) -> Result<Option<[f64; 2]>, DiagnoseError> {
-        Ok(noise::ratio(&self.model(subject, self.names.clone())?, &self.left_out))
+    /// The names that were found.
+    pub(crate) fn names(&self) -> &[Hypothesis] {
+        &self.model.candidates
     }
 
-    /// What the noise was found to vary with, and the σ of each sample then.
-    pub(crate) fn noise_varies(
-        &self,
-        subject: &Hypotheses<'_>,
-    ) -> Result<Option<(NoiseVaries, Vec<f64>)>, DiagnoseError> {
-        let model = self.model(subject, self.names.clone())?;
-        let all = distances(&self.full, &model, &subject.groups, &self.left_out);
-        Ok(noise::noise_varies(&all, &covariates(subject.data, &subject.environment.condition_kinds), &self.kept()))
+    /// The rows that were not left out.
+    pub(crate) fn kept(&self) -> &Arc<KeptRows> {
+        &self.model.kept
     }
 
-    /// σ of the rows of each joint over the stated one.
-    pub(crate) fn spreads(&self, subject: &Hypotheses<'_>) -> Result<Vec<f64>, DiagnoseError> {
-        let model = self.model(subject, self.names.clone())?;
-        Ok(self.table.spreads_of(&model.residual, &self.left_out))
-    }
-
-    /// The samples that were not left out.
-    pub(crate) fn kept(&self) -> Vec<usize> {
-        kept(self.full.samples(), &self.left_out)
-    }
-
-    /// The model of the parameters and these names.
-    pub(crate) fn model(&self, subject: &Hypotheses<'_>, names: Vec<Hypothesis>) -> Result<Model<'_>, DiagnoseError> {
-        Model::fit(&self.table, &subject.groups, names, &self.fitting)
+    /// The model of the parameters and other names, of the same rows.
+    pub(crate) fn with_names(&self, subject: &Hypotheses<'_>, names: Vec<Hypothesis>) -> Result<Model, DiagnoseError> {
+        Model::fit(self.kept(), &subject.groups, names, &self.fitting)
     }
 }
 
+/// Whether samples may be left out, and what rows that repeat each other count for.
+#[derive(Clone, Copy)]
+struct Care {
+    trim: bool,
+    inflation: f64,
+}
+
 impl Search<'_> {
-    /// The search, and again where outliers or correlated rows ask for it.
-    pub(crate) fn explore_with_care(&self) -> Result<SearchState, DiagnoseError> {
-        let mut state = self.explore(true, 1.0)?;
-        let samples = state.full.samples();
-        if suspicious(&state.left_out, samples) {
-            let untrimmed = self.explore(false, 1.0)?;
-            if self.cost(&untrimmed, &state)? < self.cost(&state, &untrimmed)? {
+    /// The search with the rows weighted by their noise, again where outliers or correlated rows ask for it.
+    pub(crate) fn with_spreads(&self, spreads: &Spreads) -> Result<SearchState, DiagnoseError> {
+        let mut care = Care { trim: true, inflation: 1.0 };
+        let mut state = self.explore(spreads, care)?;
+        let samples = state.model.table().samples();
+        if suspicious(&state.kept().left_out, samples) {
+            let untrimmed = self.explore(spreads, Care { trim: false, ..care })?;
+            if self.cost(&untrimmed, &state) < self.cost(&state, &untrimmed) {
                 state = untrimmed;
             }
         }
-        if 3 * state.left_out.len() > samples {
-            return Err(DiagnoseError::NothingFits { outliers: state.left_out.len(), samples });
+        let outliers = state.kept().left_out.len();
+        if 3 * outliers > samples {
+            return Err(DiagnoseError::NothingFits { outliers, samples });
         }
-        let model = state.model(self.subject, state.names.clone())?;
-        if let Some(rho) = noise::correlation(&model, &state.left_out) {
-            let trimmed = !state.left_out.is_empty();
-            state = self.explore(trimmed, (1.0 + rho) / (1.0 - rho))?;
+        if let Some(rho) = noise::correlation(&state.model) {
+            care = Care { trim: outliers > 0, inflation: (1.0 + rho) / (1.0 - rho) };
+            state = self.explore(spreads, care)?;
             state.correlation = Some(rho);
         }
         Ok(state)
@@ -109,76 +95,52 @@ impl Search<'_> {
 
     /// What an explanation costs: its misfit, its parameters, and six mean shifts for every discarded pose, with the noise
     /// that the better of the two leaves.
-    fn cost(&self, one: &SearchState, other: &SearchState) -> Result<f64, DiagnoseError> {
-        let of = |e: &SearchState| -> Result<(f64, f64, f64), DiagnoseError> {
-            let model = e.model(self.subject, e.names.clone())?;
-            let shifts: usize = e.left_out.iter().map(|k| e.full.rows[*k].1).sum();
-            let values: usize = e.names.iter().map(|n| self.subject.groups[n.group].parameters.len()).sum();
-            Ok((model.noise.rss, model.noise.variance(), (shifts + values) as f64))
-        };
-        let ((rss, variance, paid), (_, others, _)) = (of(one)?, of(other)?);
-        Ok(rss / variance.min(others) + paid * (one.full.r.len() as f64).ln())
+    fn cost(&self, one: &SearchState, other: &SearchState) -> f64 {
+        let table = one.model.table();
+        let shifts: usize = one.kept().left_out.iter().map(|k| table.rows[*k].1).sum();
+        let values: usize = one.names().iter().map(|n| self.subject.groups[n.group].parameters.len()).sum();
+        let variance = one.model.noise.variance().min(other.model.noise.variance());
+        one.model.noise.rss / variance + (shifts + values) as f64 * (table.r.len() as f64).ln()
     }
 
-    fn explore(&self, trim: bool, inflation: f64) -> Result<SearchState, DiagnoseError> {
+    /// Names and outliers in turn: in each round the columns are computed at a new point, until nothing changes.
+    fn explore(&self, spreads: &Spreads, care: Care) -> Result<SearchState, DiagnoseError> {
         let subject = self.subject;
         let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
+        let mut left_out = if care.trim { self.gross(&start, spreads)? } else { Vec::new() };
+        let kept: Vec<usize> = (0..subject.data.len()).filter(|k| left_out.binary_search(k).is_err()).collect();
+        let mut point = subject.fit(&start, &kept)?;
         let mut names: Vec<Hypothesis> = Vec::new();
-        let mut left_out = if trim { self.gross(&start)? } else { Vec::new() };
-        let mut point = subject.fit(&start, &kept(subject.data.len(), &left_out))?;
         let mut last: Option<SearchState> = None;
-        for round in 0..ROUNDS {
-            let mut full = match (subject.table(&point), last.take()) {
+        for round in 1..=ROUNDS {
+            let mut table = match (subject.table(&point, spreads), last.take()) {
                 (Ok(table), _) => table,
                 // Effects that lead nowhere keep the columns that they were found with.
                 (Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)), Some(before)) => return Ok(before),
                 (Err(error), _) => return Err(error),
             };
             for (name, effect) in names.iter().zip(&point.effects) {
-                let columns = columns_of(&full, &subject.groups, name);
-                full.r -= columns * DVector::from_column_slice(&effect.values);
+                table.r -= table.combined(&name.block(&subject.groups, &table), &effect.values);
             }
-            let mut fitting = Fitting { rows: full.r.len(), scale: point.scale, inflation, known: self.known };
             let before = (names.clone(), left_out.clone());
-            let mut table = full.clone();
-            for step in 0..STEPS {
-                if trim {
-                    (left_out, fitting.scale) = outliers(&full, &subject.groups, &names, &fitting, &left_out)?;
-                } else if !self.known {
-                    let model = Model::fit(&full, &subject.groups, names.clone(), &fitting)?;
-                    fitting.scale = model.noise.variance().sqrt();
-                }
-                table = full.without(&left_out);
-                fitting.rows = full.count(&left_out);
-                let search = Stepwise { table: &table, groups: &subject.groups, fitting };
-                let mut model = search.model(names.clone())?;
-                self.check_freedom(&model, fitting.rows)?;
-                if step == 0 && round > 0 && !names.is_empty() {
-                    // With the columns of the new point a name may no longer stand.
-                    names = search.polished(names)?;
-                    model = search.model(names.clone())?;
-                }
-                match search.step(&model)? {
-                    Some(next) if next != names => names = next,
-                    _ => break,
-                }
-            }
+            let rows = Arc::new(KeptRows::new(Arc::new(table), left_out));
+            let (model, fitting) = self.names(rows, names, point.scale, care)?;
+            (names, left_out) = (model.candidates.clone(), model.kept.left_out.clone());
+            let effects = self.effects(&model);
             point.scale = fitting.scale;
-            let settled = before == (names.clone(), left_out.clone());
-            let effects = self.effects(&Model::fit(&table, &subject.groups, names.clone(), &fitting)?);
+            let here = Point { effects, ..point };
             let state = SearchState {
-                full,
-                table,
-                names: names.clone(),
-                left_out: left_out.clone(),
+                model,
                 fitting,
-                point: Point { effects: effects.clone(), ..point.clone() },
+                point: here.clone(),
+                spreads: spreads.clone(),
                 correlation: None,
+                noise_varies: None,
             };
-            if settled || round + 1 == ROUNDS {
+            if before == (names.clone(), left_out.clone()) || round == ROUNDS {
                 return Ok(state);
             }
-            point = match subject.fit(&Point { effects, ..point.clone() }, &state.kept()) {
+            point = match subject.fit(&here, &state.kept().samples()) {
                 Ok(point) => point,
                 Err(DiagnoseError::Identify(_) | DiagnoseError::Geometry(_)) => return Ok(state),
                 Err(error) => return Err(error),
@@ -189,30 +151,70 @@ impl Search<'_> {
         Err(DiagnoseError::Singular)
     }
 
-    /// Samples that are far from all others already beside the parameters of the drawing, fitted in one linear step: an error
-    /// of millimetres would lead the first fit away.
-    fn gross(&self, start: &Point) -> Result<Vec<usize>, DiagnoseError> {
-        let full = self.subject.table(start)?;
-        let fitting = Fitting { rows: full.r.len(), scale: 1.0, inflation: 1.0, known: false };
-        let (left_out, _) = outliers(&full, &self.subject.groups, &[], &fitting, &[])?;
-        // Where many are far, the step itself was too long.
-        Ok(if 3 * left_out.len() > full.samples() { Vec::new() } else { left_out })
+    /// Names added, exchanged and removed on the columns of one point, with gross errors judged anew after each step.
+    fn names(
+        &self,
+        mut kept: Arc<KeptRows>,
+        mut names: Vec<Hypothesis>,
+        scale: f64,
+        care: Care,
+    ) -> Result<(Model, Fitting), DiagnoseError> {
+        let groups = &self.subject.groups;
+        let mut fitting = Fitting { scale, inflation: care.inflation, known: self.known };
+        let mut polish = !names.is_empty();
+        let mut steps = 0;
+        loop {
+            if care.trim {
+                (kept, fitting.scale) = outliers(kept, groups, &names, &fitting)?;
+            } else if !self.known {
+                fitting.scale = Model::fit(&kept, groups, names.clone(), &fitting)?.noise.variance().sqrt();
+            }
+            let search = Stepwise { kept: &kept, groups, fitting };
+            let mut model = search.model(names.clone())?;
+            self.check_freedom(&model)?;
+            if std::mem::take(&mut polish) {
+                // With the columns of the new point a name may no longer stand.
+                let polished = search.polished(names)?;
+                if polished != model.candidates {
+                    model = search.model(polished)?;
+                }
+            }
+            steps += 1;
+            names = match search.step(&model)? {
+                Some(next) if next != model.candidates => next,
+                _ => return Ok((model, fitting)),
+            };
+            if steps == STEPS {
+                return Ok((search.model(names)?, fitting));
+            }
+        }
     }
 
-    fn check_freedom(&self, model: &Model<'_>, rows: usize) -> Result<(), DiagnoseError> {
+    /// Samples that are far from all others already beside the parameters of the drawing, fitted in one linear step: an error
+    /// of millimetres would lead the first fit away.
+    fn gross(&self, start: &Point, spreads: &Spreads) -> Result<Vec<usize>, DiagnoseError> {
+        let table = Arc::new(self.subject.table_of_parameters(start, spreads)?);
+        let samples = table.samples();
+        let fitting = Fitting { scale: 1.0, inflation: 1.0, known: false };
+        let (kept, _) = outliers(Arc::new(KeptRows::new(table, Vec::new())), &self.subject.groups, &[], &fitting)?;
+        // Where many are far, the step itself was too long.
+        Ok(if 3 * kept.left_out.len() > samples { Vec::new() } else { kept.left_out.clone() })
+    }
+
+    fn check_freedom(&self, model: &Model) -> Result<(), DiagnoseError> {
         let free = model.noise.dof;
         if free < FEWEST as f64 {
-            let samples = self.subject.data.len();
+            let (samples, rows) = (self.subject.data.len(), model.kept.count());
             return Err(DiagnoseError::TooFewRows { samples, rows, free: free.max(0.0), needed: FEWEST });
         }
         Ok(())
     }
 
     /// The names of a model with their values.
-    fn effects(&self, model: &Model<'_>) -> Vec<ActiveEffect> {
+    fn effects(&self, model: &Model) -> Vec<ActiveEffect> {
         let step = model.step();
         let rows: Vec<DataRow> = self.subject.data.iter().map(|s| s.row).collect();
-        let mut at = model.table.nuisance;
+        let mut at = model.table().nuisance;
         let mut effects = Vec::with_capacity(model.candidates.len());
         for name in &model.candidates {
             let group = &self.subject.groups[name.group];

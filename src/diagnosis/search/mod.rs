@@ -6,4 +6,6 @@ pub(crate) mod iteration;
 pub(crate) mod noise;
 pub(crate) mod outliers;
 pub(crate) mod remainder;
+pub(crate) mod reweighting;
 pub(crate) mod stepwise;
+pub(crate) mod unnamed;

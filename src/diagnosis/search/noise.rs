@@ -60,15 +60,15 @@ pub(crate) fn noise_varies(
 
 /// σ of position rows and of rotation rows in units of the stated ones, where their ratio differs from one by more than
 /// chance. A wrong ratio looks like one leg that scatters.
-pub(crate) fn ratio(model: &Model<'_>, left_out: &[usize]) -> Option<[f64; 2]> {
-    let table = model.table;
+pub(crate) fn ratio(model: &Model) -> Option<[f64; 2]> {
+    let table = model.table();
     let mut sums = [(0.0, 0.0); 2];
-    for (first, n) in table.kept_rows(left_out) {
-        let q = model.leverage_rows(first, n);
+    for (first, n) in model.kept.rows() {
+        let q_t = model.leverage(first, n);
         for i in 0..n {
             let sum = &mut sums[usize::from(table.kinds[first + i] == RowKind::Rotation)];
             sum.0 += model.residual[first + i].powi(2);
-            sum.1 += 1.0 - q.row(i).norm_squared();
+            sum.1 += 1.0 - q_t.column(i).norm_squared();
         }
     }
     let [(p, np), (r, nr)] = sums;
@@ -81,10 +81,10 @@ pub(crate) fn ratio(model: &Model<'_>, left_out: &[usize]) -> Option<[f64; 2]> {
 }
 
 /// Correlation of the residual of each sample with that of the sample before, and whether it is more than chance.
-pub(crate) fn correlation(model: &Model<'_>, left_out: &[usize]) -> Option<f64> {
-    let table = model.table;
+pub(crate) fn correlation(model: &Model) -> Option<f64> {
+    let table = model.table();
     let (mut product, mut square, mut count) = (0.0, 0.0, 0.0);
-    let kept = |k: usize| !left_out.contains(&k);
+    let kept = |k: usize| !model.kept.is_out(k);
     for k in 1..table.samples() {
         let ((a, n), (b, m)) = (table.rows[k - 1], table.rows[k]);
         if n == m && n > 0 && kept(k) && kept(k - 1) {

@@ -1,13 +1,16 @@
 //! The search for names: score tests of the whole catalogue beside the present model, one step at a time.
 
-use nalgebra::DMatrix;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
-use crate::diagnosis::linear::model::{Fitting, Hypothesis, Model, columns_of};
+use crate::diagnosis::linear::hypothesis::Hypothesis;
+use crate::diagnosis::linear::kept_rows::KeptRows;
+use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::statistics::log_mean;
-use crate::solve::svd;
+use crate::solve::{Triangle, svd};
 
 /// Family-wise level of the catalogue.
 pub(crate) const LEVEL: f64 = 0.004;
@@ -40,27 +43,36 @@ pub(crate) struct Score {
 }
 
 /// Tests every effect of the catalogue beside a model. Effects that the data do not see have rank 0.
-pub(crate) fn scores(model: &Model<'_>, groups: &[EffectColumns]) -> Vec<Score> {
+pub(crate) fn scores(model: &Model, groups: &[EffectColumns]) -> Vec<Score> {
     (0..groups.len()).map(|g| score(model, groups, g)).collect()
 }
 
 /// Tests one effect beside a model.
-pub(crate) fn score(model: &Model<'_>, groups: &[EffectColumns], group: usize) -> Score {
+pub(crate) fn score(model: &Model, groups: &[EffectColumns], group: usize) -> Score {
     let scales: Vec<f64> = groups[group].parameters.iter().map(|p| p.scale).collect();
     let all = model.ask_everywhere(groups, group);
     let nothing = Hypothesis { group, place: 0, from: None };
     let mut best =
         Score { candidate: nothing, gain: 0.0, rank: 0, p_value: 1.0, evidence: f64::NEG_INFINITY, places: 0 };
-    let mut least = 2.0;
     let mut evidences = Vec::with_capacity(all.len());
     let mut places = 0;
+    // Of places with as many directions the one with the largest gain is the least probable.
+    let mut largest: Vec<(f64, usize, Hypothesis)> = Vec::new();
     for (candidate, asked) in all {
         let (gain, rank) = asked.gain();
         if rank == 0 {
             continue;
         }
         places += 1;
-        evidences.push(asked.evidence(&scales, &model.noise));
+        evidences.push(asked.evidence((gain, rank), &scales, &model.noise));
+        match largest.iter_mut().find(|(_, of, _)| *of == rank) {
+            Some(found) if gain > found.0 => *found = (gain, rank, candidate),
+            Some(_) => {}
+            None => largest.push((gain, rank, candidate)),
+        }
+    }
+    let mut least = 2.0;
+    for (gain, rank, candidate) in largest {
         let p = model.noise.p_value(gain, rank);
         if p < least || (p == least && gain > best.gain) {
             least = p;
@@ -73,20 +85,20 @@ pub(crate) fn score(model: &Model<'_>, groups: &[EffectColumns], group: usize) -
     best
 }
 
-/// What the search needs beside the table.
+/// What the search needs beside the rows.
 pub(crate) struct Stepwise<'a> {
-    pub(crate) table: &'a DesignMatrix,
+    pub(crate) kept: &'a Arc<KeptRows>,
     pub(crate) groups: &'a [EffectColumns],
     pub(crate) fitting: Fitting,
 }
 
-impl<'a> Stepwise<'a> {
-    pub(crate) fn model(&self, candidates: Vec<Hypothesis>) -> Result<Model<'a>, DiagnoseError> {
-        Model::fit(self.table, self.groups, candidates, &self.fitting)
+impl Stepwise<'_> {
+    pub(crate) fn model(&self, candidates: Vec<Hypothesis>) -> Result<Model, DiagnoseError> {
+        Model::fit(self.kept, self.groups, candidates, &self.fitting)
     }
 
     /// The best name beside a model: of those that are detected the one with the most evidence.
-    fn best(&self, model: &Model<'_>) -> Option<Score> {
+    fn best(&self, model: &Model) -> Option<Score> {
         if model.is_rounding() {
             return None;
         }
@@ -100,7 +112,7 @@ impl<'a> Stepwise<'a> {
 
     /// The names of a model and one more, if one is detected, and then names removed and exchanged while that helps. `None`
     /// if nothing is detected.
-    pub(crate) fn step(&self, model: &Model<'_>) -> Result<Option<Vec<Hypothesis>>, DiagnoseError> {
+    pub(crate) fn step(&self, model: &Model) -> Result<Option<Vec<Hypothesis>>, DiagnoseError> {
         if model.candidates.len() >= MOST {
             return Ok(None);
         }
@@ -154,24 +166,29 @@ pub(crate) fn related(groups: &[EffectColumns], one: &Hypothesis, other: &Hypoth
 /// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside
 /// the model `without`.
 pub(crate) fn separability(
-    without: &Model<'_>,
+    without: &Model,
     groups: &[EffectColumns],
     named: &Hypothesis,
     values: &[f64],
     rival: &Hypothesis,
     variance: f64,
 ) -> f64 {
-    let theta = DMatrix::from_column_slice(values.len(), 1, values);
-    let shape = without.projected(&(columns_of(without.table, groups, named) * theta));
-    let x = without.projected(&columns_of(without.table, groups, rival));
-    let svd = svd(x, true, false);
+    let of = |name: &Hypothesis| without.kept.columns(&name.block(groups, without.table()));
+    let shape = &of(named) * DVector::from_column_slice(values);
+    let x = without.projected(of(rival));
+    let p = x.ncols();
+    let shape = without.projected(DMatrix::from_column_slice(shape.len(), 1, shape.as_slice()));
+    // What the shape has outside of `X` is the last entry.
+    let rows = Triangle::of(&x, &shape.column(0).into_owned());
+    let r = rows.upper();
+    let svd = svd(r.view((0, 0), (p, p)).into_owned(), true, false);
     let largest = svd.singular_values.max();
-    let mut left = shape.column(0).into_owned();
+    let mut left = r.view((0, p), (p, 1)).column(0).into_owned();
     for (u, _) in
         svd.u.iter().flat_map(|u| u.column_iter()).zip(svd.singular_values.iter()).filter(|(_, s)| **s > 1e-6 * largest)
     {
         let along = u.dot(&left);
         left.axpy(-along, &u, 1.0);
     }
-    left.norm_squared() / variance
+    (left.norm_squared() + r[(p, p)].powi(2)) / variance
 }
