@@ -16,8 +16,13 @@ pub(in super::super) struct LegBlock {
 
 type Columns = [[f64; SLOTS]; 6];
 
+/// A pivot of `C` is the difference of numbers as large as the diagonal of `P`; below this part of it too few digits
+/// are left.
+const CANCELLED: f64 = 1e-8;
+
 /// Turns `M⁻¹` into `(M ± JᵀJ)⁻¹` and returns the logarithm of the ratio of the determinants of `M`. `None`, and nothing
-/// done, if a pivot of `C` is not above `smallest_pivot` times that of `P`: the result would be inaccurate.
+/// done, if a pivot of `C` is not above `smallest_pivot` times that of `P`, or has cancelled: the result would be
+/// inaccurate.
 pub(in super::super) fn update_legs(
     inverse: &mut DMatrix<f64>,
     block: &LegBlock,
@@ -36,7 +41,10 @@ pub(in super::super) fn update_legs(
     });
     let before = Cholesky::new(block.p)?.unpack();
     let after = Cholesky::new(middle)?.unpack();
-    let accurate = |k: usize| after[(k, k)] > smallest_pivot.sqrt() * before[(k, k)];
+    let accurate = |k: usize| {
+        let pivot = after[(k, k)].powi(2);
+        pivot > smallest_pivot * before[(k, k)].powi(2) && pivot > CANCELLED * block.p[(k, k)]
+    };
     if !(0..6).all(accurate) {
         return None;
     }
