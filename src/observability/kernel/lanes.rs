@@ -2,11 +2,8 @@
 
 use pulp::Simd;
 
-/// Candidates in a batch.
-pub(in super::super) const LANES: usize = 16;
-
-/// One number of each candidate of a batch.
-pub(in super::super) type Lanes = [f64; LANES];
+pub(in super::super) use crate::solve::{LANES, Lanes};
+pub(super) use crate::solve::{load, store, vectors};
 
 /// Lower triangle of a symmetric 6 × 6 matrix: entry (i, j), `j ≤ i`, at [`at`]`(i, j)`.
 pub(super) type Sym<V> = [V; 21];
@@ -17,17 +14,6 @@ pub(super) type Two<S> = [<S as Simd>::f64s; 2];
 /// Place of entry (i, j), `j ≤ i`, in a [`Sym`].
 pub(super) const fn at(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
-}
-
-/// Vectors of lanes in a row.
-#[inline(always)]
-pub(super) fn vectors<S: Simd>() -> usize {
-    LANES / (size_of::<S::f64s>() / size_of::<f64>())
-}
-
-#[inline(always)]
-pub(super) fn load<S: Simd>(row: &Lanes, vector: usize) -> S::f64s {
-    S::as_simd_f64s(row).0[vector]
 }
 
 #[inline(always)]
@@ -44,11 +30,6 @@ pub(super) fn half_of<S: Simd>(simd: S, both: &Sym<Two<S>>, half: usize) -> Sym<
         *out = both[half];
     }
     out
-}
-
-#[inline(always)]
-pub(super) fn store<S: Simd>(row: &mut Lanes, vector: usize, value: S::f64s) {
-    S::as_mut_simd_f64s(row).0[vector] = value;
 }
 
 /// Adds `factor` times one of the two vectors of every entry.
