@@ -99,10 +99,16 @@ pub fn verdict(d: &Diagnosis) -> String {
                  and try again.{rivals}",
                 m.reading,
                 m.detail,
-                three_digits(m.factor)
+                times_better(m.factor)
             )
         }),
     }
+}
+
+/// How much better a reading fits. A wrong one leaves a fit so badly posed that digits of a large factor mean nothing.
+fn times_better(factor: f64) -> String {
+    const MANY: f64 = 1000.0;
+    if factor > MANY { format!("more than {MANY}") } else { three_digits(factor) }
 }
 
 fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
