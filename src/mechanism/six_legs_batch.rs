@@ -234,10 +234,11 @@ fn eliminate<S: Simd>(
         good = simd.and_m64s(good, simd.less_than_f64s(simd.splat_f64s(SMALL_PIVOT), simd.abs_f64s(pivot)));
         product = simd.mul_f64s(product, pivot);
         inverses[k] = simd.div_f64s(simd.splat_f64s(1.0), pivot);
-        for i in k + 1..LEGS {
-            let factor = simd.mul_f64s(m[i][k], inverses[k]);
-            for j in k + 1..=LEGS {
-                m[i][j] = simd.negate_mul_add_e_f64s(factor, m[k][j], m[i][j]);
+        let above = m[k];
+        for row in &mut m[k + 1..] {
+            let factor = simd.mul_f64s(row[k], inverses[k]);
+            for (value, above) in row[k + 1..].iter_mut().zip(&above[k + 1..]) {
+                *value = simd.negate_mul_add_e_f64s(factor, *above, *value);
             }
         }
     }

@@ -22,8 +22,8 @@ pub(crate) fn minimum_norm(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 /// Square systems whose condition is below this are solved by their inverse: there is nothing that is not seen.
 const SOUND: f64 = 1e6;
 
-/// The same for every column of `b`.
-pub(crate) fn minimum_norms(a: DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+/// [`minimum_norm`] for every column of `b`.
+pub(crate) fn minimum_norms(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     if a.is_square() && !a.is_empty() && a.iter().chain(b.iter()).all(|v| v.is_finite()) {
         // The length of all entries bounds the largest singular value.
         let length = a.norm();
@@ -52,7 +52,7 @@ mod tests {
     fn several_right_sides_are_solved_as_one_is() {
         let b = dmatrix![1.0, -2.0; 3.0, 0.5];
         for a in [dmatrix![2.0, 1.0; -1.0, 3.0], dmatrix![1.0, 1.0; 1.0, 1.0], dmatrix![1.0, 0.0, 2.0; 0.0, 1.0, 1.0]] {
-            let all = minimum_norms(a.clone(), &b);
+            let all = minimum_norms(&a, &b);
             for k in 0..2 {
                 assert!((all.column(k) - minimum_norm(a.clone(), &b.column(k).into_owned())).amax() < 1e-14);
             }

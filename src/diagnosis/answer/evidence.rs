@@ -21,7 +21,7 @@ pub(crate) fn joint_residuals(subject: &Hypotheses<'_>, without: &Model, judged:
             false => model.residual.rows(first, n).into_owned(),
         };
         // The residual is predicted minus measured.
-        let found = minimum_norms(columns, &-DMatrix::from_columns(&[residual(without), residual(judged)]));
+        let found = minimum_norms(&columns, &-DMatrix::from_columns(&[residual(without), residual(judged)]));
         JointResiduals {
             row: subject.data.sample(k).row,
             left_out,
