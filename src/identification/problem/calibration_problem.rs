@@ -14,10 +14,6 @@ use crate::identification::task::{Task, Weights};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{Mechanism, MotionBlock, ParameterSpec};
 use crate::pose::Pose;
-use crate::solve::{Triangle, linearized};
-
-/// Rows per unknown up to which folding them together costs more than it saves.
-const FEW: usize = 8;
 
 /// Whitened residual `W(ŷ(x) - y)` of a dataset, with prior rows `(x - x₀)/σ₀` below it.
 ///
@@ -26,15 +22,15 @@ const FEW: usize = 8;
 pub struct CalibrationProblem<'a> {
     pub(super) mechanism: &'a dyn Mechanism,
     pub(super) data: Dataset,
-    policy: PriorPolicy,
+    pub(super) policy: PriorPolicy,
     pub(super) weights: Weights,
-    convention: FrameConvention,
+    pub(super) convention: FrameConvention,
     pub(super) samples: Arc<[Prepared]>,
     /// Which of the prepared samples take part.
     pub(super) kept: Vec<usize>,
     pub(super) prior: Option<Prior>,
     /// σ of the readings over the stated one.
-    noise_scale: f64,
+    pub(super) noise_scale: f64,
     /// Square root of the weight of each sample; one but for robust fits.
     pub(super) sample_weights: Vec<f64>,
     /// Rows that more than six closure equations add to each sample.
@@ -42,10 +38,10 @@ pub struct CalibrationProblem<'a> {
     pub(super) poses: Vec<Pose>,
     /// The parameters of the mechanism that these poses belong to.
     pub(super) solved_at: Option<Vec<f64>>,
-    start: DVector<f64>,
-    guess: DVector<f64>,
+    pub(super) start: DVector<f64>,
+    pub(super) guess: DVector<f64>,
     /// What the data say at the start, once it was asked for.
-    at_start: Option<ScaledRows>,
+    pub(super) at_start: Option<ScaledRows>,
     pub(super) block: MotionBlock,
     /// Readings of the sample at hand; their number rarely changes from one sample to the next.
     pub(super) rows: Rows,
@@ -265,7 +261,7 @@ impl<'a> CalibrationProblem<'a> {
     }
 
     /// The same samples with rows weighted by the noise as stated, and no prior.
-    fn by_noise(&self) -> Result<Self, IdentifyError> {
+    pub(super) fn by_noise(&self) -> Result<Self, IdentifyError> {
         if self.weights == Weights::Noise {
             let all: Vec<usize> = (0..self.kept.len()).collect();
             return Ok(self.subset(&all, &self.guess));
@@ -287,77 +283,6 @@ impl<'a> CalibrationProblem<'a> {
         if self.weights != Weights::Noise {
             *self = self.by_noise()?;
         }
-        Ok(())
-    }
-
-    /// Residual and Jacobian of the data alone at `x`, weighted by the noise as stated.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] if the rows have no value there.
-    pub fn data_at(&self, x: &DVector<f64>) -> Result<(DVector<f64>, DMatrix<f64>), IdentifyError> {
-        Ok(linearized(&mut self.by_noise()?, x)?)
-    }
-
-    /// Residual and Jacobian at `x` of all rows as they are.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] if the rows have no value there.
-    pub(crate) fn all_at(&self, x: &DVector<f64>) -> Result<(DVector<f64>, DMatrix<f64>), IdentifyError> {
-        let all: Vec<usize> = (0..self.kept.len()).collect();
-        let mut same = self.subset(&all, &self.guess).with_prior(self.prior.clone());
-        same.noise_scale = self.noise_scale;
-        same.sample_weights.clone_from(&self.sample_weights);
-        Ok(linearized(&mut same, x)?)
-    }
-
-    /// What the data say of each direction of the parameters at the start.
-    ///
-    /// # Errors
-    /// [`IdentifyError`] if the rows have no value there.
-    pub(crate) fn at_start(&mut self) -> Result<&ScaledRows, IdentifyError> {
-        if self.at_start.is_none() {
-            let mut plain = self.by_noise()?;
-            plain.poses = self.prepared().map(|s| s.pose).collect();
-            plain.solved_at = Some(self.mechanism.values().to_vec());
-            let (r, j) = linearized(&mut plain, &self.start)?;
-            // A few rows are looked at as they are; many are folded together.
-            let rows = if r.len() > FEW * j.ncols() { Triangle::of(&j, &r).jacobian() } else { j };
-            self.at_start = Some(ScaledRows::of(self.mechanism, &rows));
-        }
-        // It was made just above.
-        self.at_start.as_ref().ok_or(IdentifyError::Empty)
-    }
-
-    /// Takes the prior that the task asks for, where σ of the readings is `noise_scale` times the stated one: with
-    /// [`PriorPolicy::Auto`] the tolerances, unless the data decide every direction.
-    ///
-    /// # Errors
-    /// [`IdentifyError::TooFewRows`] if the data alone cannot determine the parameters and there is no prior.
-    pub fn choose_prior(&mut self, noise_scale: f64) -> Result<(), IdentifyError> {
-        if self.data.row_count() == 0 {
-            return Err(IdentifyError::Empty);
-        }
-        let unweighted = self.weights == Weights::MillimetresAndRadians;
-        let tolerances = |p: &Self| Prior::from_tolerance(p.mechanism, p.convention);
-        let policy = self.policy;
-        let asked = match policy {
-            PriorPolicy::Tolerance if unweighted => return Err(IdentifyError::PriorWithoutWeights),
-            PriorPolicy::Tolerance => Some(tolerances(self)?),
-            PriorPolicy::Auto if unweighted || self.at_start()?.decided(noise_scale) => None,
-            PriorPolicy::Auto => tolerances(self).ok(),
-            PriorPolicy::None => None,
-        };
-        if asked.is_some() {
-            self.prior = asked;
-            return Ok(());
-        }
-        let (rows, samples, unknowns) = (self.data.row_count(), self.data.len(), self.start.len());
-        if rows < unknowns {
-            let per_sample = rows.div_ceil(samples).max(1);
-            return Err(IdentifyError::TooFewRows { rows, samples, unknowns, needed: unknowns.div_ceil(per_sample) });
-        }
-        let mechanism = self.mechanism;
-        self.prior = self.at_start()?.unseen().map(|(scale, directions)| Prior::holding(mechanism, scale, &directions));
         Ok(())
     }
 }

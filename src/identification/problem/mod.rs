@@ -2,6 +2,7 @@
 //! the noise, tolerances as a prior.
 
 pub(crate) mod calibration_problem;
+mod choice;
 pub(crate) mod prepared;
 pub(crate) mod prior;
 pub(crate) mod redundancy;
