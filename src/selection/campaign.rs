@@ -12,7 +12,7 @@ use crate::mechanism::{
 };
 use crate::observability::{Block, Scaling};
 use crate::pose::{Pose, PoseConvention};
-use crate::solve::singular_values;
+use crate::solve::{inverse6, singular_values};
 
 /// Poses with a worse condition of `J₁` (angles times the platform radius) are not measured.
 const WORST_CONDITION: f64 = 1e3;
@@ -244,7 +244,7 @@ fn well_conditioned(motion: DMatrix<f64>) -> bool {
     if motion.shape() == (6, 6) {
         let square: Matrix6<f64> = motion.fixed_view::<6, 6>(0, 0).into_owned();
         // Far from the limit, so that rounding in the inverse cannot matter.
-        if square.try_inverse().is_some_and(|inverse| square.norm() * inverse.norm() < 0.5 * WORST_CONDITION) {
+        if inverse6(&square).is_some_and(|inverse| square.norm() * inverse.norm() < 0.5 * WORST_CONDITION) {
             return true;
         }
     }

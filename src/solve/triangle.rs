@@ -91,6 +91,12 @@ impl Triangle {
         self.upper.view((0, 0), (n, n)).into_owned()
     }
 
+    /// Length of the part of the residual that the columns explain: how far the linear step moves the rows.
+    pub(crate) fn explained(&self) -> f64 {
+        let n = self.upper.ncols() - 1;
+        self.upper.view((0, n), (n, 1)).norm()
+    }
+
     /// Squared length of what the columns do not explain of the residual, and the rank.
     pub(crate) fn misfit(&self) -> (f64, usize) {
         let n = self.upper.ncols() - 1;
@@ -199,6 +205,10 @@ mod tests {
                 }
                 let (squares, found) = triangle.misfit();
                 assert_eq!(found, rank);
+                if rank == n {
+                    let explained = (r.norm_squared() - left.norm_squared()).sqrt();
+                    assert!((triangle.explained() / weight.sqrt() - explained).abs() < 1e-9 * r.norm());
+                }
                 assert!((squares / weight - left.norm_squared()).abs() < 1e-9 * r.norm_squared(), "{squares}");
             }
         }

@@ -7,7 +7,7 @@ use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::task::Task;
 use crate::solve::{
-    LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, LinearMethod, SolveError, least_squares,
+    LeastSquaresMethod, LeastSquaresOptions, LeastSquaresSolution, LinearMethod, SolveError, Triangle, least_squares,
 };
 
 /// Finds the parameters of a mechanism from data.
@@ -133,5 +133,5 @@ fn solve(
 
 /// How far the next Gauss–Newton step would move the whitened rows: its length in σ.
 fn to_go(solution: &LeastSquaresSolution) -> f64 {
-    solution.jacobian.clone().qr().q().tr_mul(&solution.residual).norm()
+    Triangle::of(&solution.jacobian, &solution.residual).explained()
 }

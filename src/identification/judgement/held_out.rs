@@ -57,12 +57,12 @@ pub(crate) fn held_out(
         held.iter().for_each(|k| is_held[*k] = true);
         let rest: Vec<usize> = (0..n).filter(|k| !is_held[*k]).collect();
         let mut rest = problem.subset(&rest, &fit.values);
-        let near = identifier.estimate(&mut rest);
-        // Along a direction that the rest hardly decides the fit of all samples may be a worse start than the drawing.
-        let found = near.or_else(|_| {
+        let mut found = identifier.estimate(&mut rest);
+        if matches!(found, Err(IdentifyError::NotConverged { .. } | IdentifyError::Solve(_))) {
+            // Along a direction that the rest hardly decides the fit of all samples may be a worse start than the drawing.
             rest.begin_at(rest.start());
-            identifier.estimate(&mut rest)
-        });
+            found = identifier.estimate(&mut rest);
+        }
         let found = found?.values;
         let (c, own) = found.as_slice().split_at(problem.mechanism_parameters());
         let poses = poses_near(problem, held, c)?;

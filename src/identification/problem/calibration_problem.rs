@@ -260,11 +260,16 @@ impl<'a> CalibrationProblem<'a> {
         &self.poses
     }
 
+    /// All of its samples, as [`subset`](Self::subset) takes some of them.
+    pub(super) fn whole(&self) -> Self {
+        let all: Vec<usize> = (0..self.kept.len()).collect();
+        self.subset(&all, &self.guess)
+    }
+
     /// The same samples with rows weighted by the noise as stated, and no prior.
     pub(super) fn by_noise(&self) -> Result<Self, IdentifyError> {
         if self.weights == Weights::Noise {
-            let all: Vec<usize> = (0..self.kept.len()).collect();
-            return Ok(self.subset(&all, &self.guess));
+            return Ok(self.whole());
         }
         let (mechanism, data, prior, convention) = (self.mechanism, &self.data, self.policy, self.convention);
         let task = Task { mechanism, data, prior, weights: Weights::Noise, convention };

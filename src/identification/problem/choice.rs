@@ -26,8 +26,7 @@ impl CalibrationProblem<'_> {
     /// # Errors
     /// [`IdentifyError`] if the rows have no value there.
     pub(crate) fn all_at(&self, x: &DVector<f64>) -> Result<(DVector<f64>, DMatrix<f64>), IdentifyError> {
-        let all: Vec<usize> = (0..self.kept.len()).collect();
-        let mut same = self.subset(&all, &self.guess).with_prior(self.prior.clone());
+        let mut same = self.whole().with_prior(self.prior.clone());
         same.noise_scale = self.noise_scale;
         same.sample_weights.clone_from(&self.sample_weights);
         Ok(linearized(&mut same, x)?)

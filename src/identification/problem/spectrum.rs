@@ -89,12 +89,6 @@ impl ScaledRows {
 }
 
 impl DataSpectrum {
-    /// Of a whitened Jacobian of finite numbers whose first columns belong to the mechanism and whose others are
-    /// projected out.
-    pub fn of(mechanism: &dyn Mechanism, jacobian: &DMatrix<f64>) -> Self {
-        ScaledRows::of(mechanism, jacobian).spectrum()
-    }
-
     /// For σ of the readings times `noise_scale`.
     #[must_use]
     pub fn for_noise(mut self, noise_scale: f64) -> Self {

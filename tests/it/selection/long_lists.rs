@@ -24,7 +24,7 @@ fn drawn(campaign: &Campaign<'_>, random: usize, seed: u64) -> Candidates {
 
 /// Values of the unscreened search scatter by this much with its seed for the predicted error and O5.
 const SCATTER: f64 = 5e-4;
-/// And for indices of extreme singular values with so few starts; with all starts by one per cent.
+/// And for indices of extreme singular values with so few starts: screening may miss a better local optimum.
 const SCATTER_OF_EXTREMES: f64 = 3e-2;
 
 /// A screened list gives what the whole of it gives: the same set for O1, the same value within the scatter or more for
