@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::files::{CsvTable, Machine, Measurement, Outputs, number};
+use crate::files::{CsvTable, Machine, Measurement, number};
 use crate::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
-    Robust, Weights, calibrate, identifier,
+    Robust, Weights, calibrate, deviations, identifier,
 };
 use crate::report::html::{self, Measured, ModelResiduals, Page};
 use crate::report::{json, text};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
+use serde_json::Value;
 
 use crate::cli::common::{Ui, about, page_subject, settings, verdict};
 
@@ -55,9 +56,9 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// Measurement file: joints and measured values.
     data: PathBuf,
-    /// Calibrated mechanism file to write.
+    /// Calibrated mechanism file to write; without it the result is only shown.
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    output: Option<PathBuf>,
     /// levenberg-marquardt, least-squares (the paper's iteration) or robust.
     #[arg(long, default_value = "levenberg-marquardt", value_parser = clap::builder::PossibleValuesParser::new(IDENTIFIERS))]
     identifier: String,
@@ -97,11 +98,8 @@ impl Args {
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let second = args.held_file();
     let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
-    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
-    outputs.check(&args.output)?;
-    for path in [&args.covariance, &args.report].into_iter().flatten() {
-        outputs.check(path)?;
-    }
+    let wanted = [&args.output, &args.covariance, &args.report].into_iter().flatten();
+    let mut outputs = ui.outputs(inputs.into_iter().flatten(), wanted)?;
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
@@ -148,17 +146,34 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
              frame; transform the data into it",
         );
     }
-    let written = outputs.add_mechanism(&args.output, &document)?;
+    let written = args.output.as_ref().map(|path| outputs.add_mechanism(path, &document)).transpose()?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
     }
     if let Some(path) = &args.report {
         outputs.add(path, page(args, ui, &machine, &measurement, &result)?.html())?;
     }
-    outputs.write()?;
-    result.verdict.warnings.iter().chain(&written.warnings).for_each(|w| ui.warn(w));
-    ui.result(&text::calibration(&result), &json::calibration(&result));
+    ui.write(outputs)?;
+    let of_file = written.iter().flat_map(|written| &written.warnings);
+    result.verdict.warnings.iter().chain(of_file).for_each(|w| ui.warn(w));
+    ui.result(&text::calibration(&result), &object(args, &machine, &measurement, &result, ui)?)?;
     Ok(verdict(result.verdict.trusted))
+}
+
+/// The object for scripts; it is made only for those who read it.
+fn object(args: &Args, machine: &Machine, measurement: &Measurement, result: &Calibration, ui: &Ui) -> Result<Value> {
+    if !ui.json {
+        return Ok(Value::Null);
+    }
+    let own = result.identification.own_values();
+    let residuals = deviations(result.mechanism.as_ref(), &own, &measurement.data)
+        .map_err(|error| about(error, machine, &args.data, &measurement.data))?;
+    let mut object = json::calibration(result, &residuals);
+    if args.covariance.is_some() {
+        object["covariance"] =
+            result.covariance.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>().into();
+    }
+    Ok(object)
 }
 
 /// The report: errors of the mechanism as it was given, once it stands where it was found, and of the calibrated one.

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::conditions::Conditions;
 use crate::diagnosis::{DiagnoseError, Question, detection_limits, planned};
-use crate::files::{Machine, read_conditions};
+use crate::files::{CsvTable, Machine, PlannedConditions, read_conditions};
 use crate::identification::IdentifyError;
 use crate::measurement::Noise;
 use crate::pose::Pose;
@@ -20,51 +19,54 @@ pub(crate) struct DiagnosisArgs {
     #[arg(long)]
     for_diagnosis: bool,
     /// Conditions under which the poses will be measured, one row per pose in the order of the list (fewer rows are
-    /// repeated): columns such as temp_leg1_degC, temp_platform_degC, elevation_deg, payload_kg. If absent, a reference
-    /// campaign is assumed and described with the result.
-    #[arg(long, value_name = "FILE", requires = "for_diagnosis")]
+    /// repeated): columns such as temp_leg1_degC, temp_platform_degC, elevation_deg, payload_kg. They are written into
+    /// the list. If absent, --for-diagnosis assumes a reference campaign and describes it with the result.
+    #[arg(long, value_name = "FILE")]
     pub(crate) conditions: Option<PathBuf>,
 }
 
 /// What is known of a campaign before its poses are.
 pub(crate) struct PlannedCampaign {
-    noise: Noise,
+    /// Noise of the campaign, if limits are asked for.
+    noise: Option<Noise>,
     /// Of a file; the reference campaign if absent.
-    states: Option<Vec<Conditions>>,
+    conditions: Option<PlannedConditions>,
+}
+
+impl PlannedCampaign {
+    /// The columns of the conditions, if a file states them.
+    pub(crate) fn columns(&self) -> Option<&CsvTable> {
+        self.conditions.as_ref().map(|planned| &planned.columns)
+    }
 }
 
 impl DiagnosisArgs {
-    /// Reads what a campaign needs; `None` if nobody asked.
-    pub(crate) fn campaign(&self, machine: &Machine, ui: &Ui) -> Result<Option<PlannedCampaign>> {
-        if !self.for_diagnosis {
-            return Ok(None);
-        }
-        let Some(noise) = machine.noise else {
+    /// Reads what is known of the campaign.
+    pub(crate) fn campaign(&self, machine: &Machine, ui: &Ui) -> Result<PlannedCampaign> {
+        if self.for_diagnosis && machine.noise.is_none() {
             let file = machine.path.display();
             bail!(
                 "{file}: --for-diagnosis: detection limits are multiples of the noise; state [noise] position and \
                    rotation"
             );
-        };
-        let read = self.conditions.as_ref().map(|path| read_conditions(path, machine)).transpose()?;
-        let states = read.map(|read| {
-            read.warnings.iter().for_each(|w| ui.warn(w));
-            read.states
-        });
-        Ok(Some(PlannedCampaign { noise, states }))
+        }
+        let conditions = self.conditions.as_ref().map(|path| read_conditions(path, machine)).transpose()?;
+        conditions.iter().flat_map(|read| &read.warnings).for_each(|w| ui.warn(w));
+        Ok(PlannedCampaign { noise: machine.noise.filter(|_| self.for_diagnosis), conditions })
     }
 
-    /// Limits of the campaign with these poses.
+    /// Limits of the campaign with these poses; `None` if nobody asked.
     pub(crate) fn limits(
         &self,
         campaign: &PlannedCampaign,
         machine: &Machine,
         poses: &[Pose],
-    ) -> Result<CampaignLimits> {
+    ) -> Result<Option<CampaignLimits>> {
+        let Some(noise) = campaign.noise else { return Ok(None) };
         let n = poses.len();
         let assumed;
-        let states = match &campaign.states {
-            Some(states) => states,
+        let states = match &campaign.conditions {
+            Some(read) => &read.states,
             None => {
                 assumed = machine.reference_conditions(n);
                 &assumed
@@ -78,7 +80,7 @@ impl DiagnosisArgs {
             IdentifyError::Sample { row, cause, .. } => anyhow!("{}: {cause}", at_pose(row.0)),
             other => anyhow!("{file}: --for-diagnosis: {other}"),
         };
-        let data = planned(machine.plain(), samples, machine.convention, campaign.noise, [true; 6]).map_err(failed)?;
+        let data = planned(machine.plain(), samples, machine.convention, noise, [true; 6]).map_err(failed)?;
         let found = detection_limits(&Question::of(machine, &data));
         let (limits, missing) = found.map_err(|error| match error {
             DiagnoseError::Identify(cause) => failed(cause),
@@ -95,6 +97,6 @@ impl DiagnosisArgs {
             ),
             (Some(path), _) => format!("conditions from {}", path.display()),
         };
-        Ok(CampaignLimits { poses: n, noise: campaign.noise, conditions, limits, missing })
+        Ok(Some(CampaignLimits { poses: n, noise, conditions, limits, missing }))
     }
 }

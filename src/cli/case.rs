@@ -31,10 +31,7 @@ pub(crate) struct Case<'a> {
 impl CaseArgs {
     /// Reads the files; `written` is what will be written beside them.
     pub(crate) fn read(&self, written: &[Option<&PathBuf>], ui: &Ui) -> Result<(Case<'_>, Outputs)> {
-        let mut outputs = Outputs::beside_inputs([&self.mechanism, &self.data]);
-        for path in written.iter().copied().flatten() {
-            outputs.check(path)?;
-        }
+        let mut outputs = ui.outputs([&self.mechanism, &self.data], written.iter().copied().flatten())?;
         let machine = ui.machine(&self.mechanism)?.without_effects()?;
         outputs.protect(machine.inputs());
         let measurement = ui.measurement(&self.data, &machine)?;

@@ -1,20 +1,20 @@
 //! Shared by the commands: reading, warnings, progress, exit codes.
 
-use std::cell::RefCell;
-use std::io::IsTerminal;
+use std::cell::{Cell, RefCell};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use crate::conditions::Conditions;
-use crate::files::{Machine, Measurement, ReadOptions, read_measurement};
+use crate::files::{Machine, Measurement, Outputs, ReadOptions, read_measurement};
 use crate::identification::IdentifyError;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
 use crate::report::html;
 use crate::units::Dimension;
 use anstyle::{AnsiColor, Style};
-use anyhow::{Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use sha2::{Digest, Sha256};
 
@@ -40,28 +40,65 @@ pub(crate) struct Ui {
     pub(crate) reading: ReadOptions,
     /// The warnings so far, for the page.
     pub(crate) warnings: RefCell<Vec<String>>,
+    /// True once standard output holds a file (`-o -`); the result is then told on standard error.
+    pub(crate) file_on_stdout: Cell<bool>,
 }
 
 impl Ui {
     /// Prints the result: JSON or text.
-    pub(crate) fn result(&self, text: &str, json: &serde_json::Value) {
-        use std::io::Write;
+    ///
+    /// # Errors
+    /// Standard output cannot be written.
+    pub(crate) fn result(&self, text: &str, json: &serde_json::Value) -> Result<()> {
         // The last line is the result in a sentence.
+        let text = printable(text);
         let (line, end) = text.split_at(text.trim_end().len());
         let shown = match (self.json, line.rsplit_once('\n')) {
             (true, _) => json.to_string(),
             (false, Some((before, last))) => format!("{before}\n{RESULT}{last}{RESULT:#}{end}"),
-            (false, None) => text.to_owned(),
+            (false, None) => text,
         };
-        // A reader that closed the pipe (`| head`) wants no more; that is no error of ours.
-        let _ = writeln!(anstream::stdout(), "{shown}");
+        if self.file_on_stdout.get() {
+            // Whoever asks for no more than the file also wants no result.
+            return if self.quiet { Ok(()) } else { Ok(written(anstream::stderr(), &shown)?) };
+        }
+        written(anstream::stdout(), &shown)
+            .context("standard output cannot be written; files that were asked for are in place")
+    }
+
+    /// The outputs of a command that reads `inputs`. Whether they may be written is checked before any work is done for them.
+    ///
+    /// # Errors
+    /// One of them cannot be written; or standard output is wanted for a file and for JSON.
+    pub(crate) fn outputs<'p, I: AsRef<Path>>(
+        &self,
+        inputs: impl IntoIterator<Item = I>,
+        wanted: impl IntoIterator<Item = &'p PathBuf>,
+    ) -> Result<Outputs> {
+        let outputs = Outputs::beside_inputs(inputs);
+        for path in wanted {
+            outputs.check(path)?;
+            if self.json && path.as_os_str() == "-" {
+                bail!("--json prints its object on standard output, so no file can be written there; name a file");
+            }
+        }
+        Ok(outputs)
+    }
+
+    /// Writes the outputs.
+    ///
+    /// # Errors
+    /// One of them cannot be written.
+    pub(crate) fn write(&self, outputs: Outputs) -> Result<()> {
+        self.file_on_stdout.set(outputs.on_standard_output());
+        Ok(outputs.write()?)
     }
 
     /// Prints a warning on standard error.
     pub(crate) fn warn(&self, warning: &str) {
         self.warnings.borrow_mut().push(warning.to_owned());
         if !self.quiet {
-            tell(&format!("{WARNING}warning:{WARNING:#} {warning}"));
+            tell(WARNING, "warning", warning);
         }
     }
 
@@ -159,16 +196,41 @@ pub(crate) fn verdict(trusted: bool) -> ExitCode {
     if trusted { ExitCode::SUCCESS } else { ExitCode::from(UNTRUSTED) }
 }
 
-/// Prints an error.
-pub(crate) fn report_error(error: &anyhow::Error) -> ExitCode {
-    tell(&format!("{ERROR}error:{ERROR:#} {error:#}"));
+/// Prints an error; for scripts also as an object.
+pub(crate) fn report_error(error: &anyhow::Error, json: bool) -> ExitCode {
+    tell(ERROR, "error", &format!("{error:#}"));
+    if json {
+        let object = serde_json::json!({ "error": format!("{error:#}"), "exit": WRONG });
+        // There is nobody left to tell that even this cannot be written.
+        let _ = written(anstream::stdout(), &object.to_string());
+    }
     ExitCode::from(WRONG)
 }
 
 /// A line on standard error, without colours where nobody sees them; a reader that closed it wants none.
-fn tell(line: &str) {
-    use std::io::Write;
-    let _ = writeln!(anstream::stderr(), "{line}");
+fn tell(style: Style, word: &str, line: &str) {
+    let _ = written(anstream::stderr(), &format!("{style}{word}:{style:#} {}", printable(line)));
+}
+
+/// Writes a line. A reader that closed the pipe (`| head`) wants no more; that is no error of ours.
+fn written(mut to: impl Write, line: &str) -> std::io::Result<()> {
+    match writeln!(to, "{line}").and_then(|()| to.flush()) {
+        Err(cause) if cause.kind() == ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// A text for a terminal: what came from files is not to move its cursor or change its colours.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' => shown.push(c),
+            c if c.is_control() => shown.extend(c.escape_default()),
+            c => shown.push(c),
+        }
+    }
+    shown
 }
 
 /// A failed identification or evaluation with the file that it is about.

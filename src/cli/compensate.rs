@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use crate::conditions::{ConditionKind, ConditionTable};
 use crate::effect::{ActiveEffect, ActsOn, Compensated, Compensator};
-use crate::files::{ListedPose, Outputs, read_pose_list};
+use crate::files::{ListedPose, read_pose_list};
 use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
 use serde_json::json;
@@ -32,8 +32,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.poses]);
-    outputs.check(&args.output)?;
+    let mut outputs = ui.outputs([&args.mechanism, &args.poses], [&args.output])?;
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let list = read_pose_list(&args.poses, &machine)?;
@@ -84,7 +83,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut table = joints_and_poses(&machine, comment, &table_rows);
     table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
-    outputs.write()?;
+    ui.write(outputs)?;
     warnings.iter().for_each(|w| ui.warn(w));
     const SHOWN: usize = 5;
     outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
@@ -100,7 +99,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     if mechanism.joints().iter().all(|j| j.dimension == Dimension::Length) {
         shown["lengths_m"] = json!(lengths);
     }
-    ui.result(&text, &shown);
+    ui.result(&text, &shown)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::files::Outputs;
 use anyhow::{Result, bail};
 use serde_json::json;
 
@@ -32,8 +31,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             args.output.display()
         );
     }
-    let mut outputs = Outputs::beside_inputs([&args.mechanism]);
-    outputs.check(&args.output)?;
+    let mut outputs = ui.outputs([&args.mechanism], [&args.output])?;
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     if extension.as_deref() == Some("urdf") {
@@ -41,7 +39,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         machine.to_urdf()?;
     }
     let written = outputs.add_mechanism(&args.output, machine.document())?;
-    outputs.write()?;
+    ui.write(outputs)?;
     written.warnings.iter().for_each(|w| ui.warn(w));
     let beside = written.side.as_ref().map_or_else(String::new, |p| format!(", with {} next to it", p.display()));
     let text = format!("{}: {}{beside}", args.output.display(), machine.mechanism.name());
@@ -50,6 +48,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         "output": args.output, "side_file": written.side, "name": machine.mechanism.name(),
         "joints": machine.joint_names(), "warnings": warnings,
     });
-    ui.result(&text, &shown);
+    ui.result(&text, &shown)?;
     Ok(ExitCode::SUCCESS)
 }

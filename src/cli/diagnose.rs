@@ -55,7 +55,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let subject = page_subject(ui, machine, machine.mechanism.as_ref(), settings);
         outputs.add(path, html::diagnosis(&found, &plans, &subject, data).html())?;
     }
-    outputs.write()?;
-    ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found));
+    ui.write(outputs)?;
+    ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found))?;
     Ok(verdict(found.verdict != Verdict::Misread))
 }

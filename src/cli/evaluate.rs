@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::files::Outputs;
 use crate::identification::evaluate;
 use crate::report::html::{self, Measured, ModelResiduals};
 use crate::report::{json, text};
@@ -28,10 +27,7 @@ pub(crate) struct Args {
 const OTHER_FRAME: f64 = 0.05;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
-    let mut outputs = Outputs::beside_inputs([&args.mechanism, &args.data]);
-    if let Some(path) = &args.report {
-        outputs.check(path)?;
-    }
+    let mut outputs = ui.outputs([&args.mechanism, &args.data], &args.report)?;
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
@@ -49,8 +45,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             page_subject(ui, &machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
         let measured = Measured { data: &measurement.data, models: &models };
         outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
-        outputs.write()?;
+        ui.write(outputs)?;
     }
-    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors));
+    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let lines: Vec<String> = effects.iter().map(|e| format!("  {}", effect_text(&machine, e))).collect();
         report += &format!("\n\nEffects:\n{}", lines.join("\n"));
     }
-    ui.result(&report, &shown);
+    ui.result(&report, &shown)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -18,11 +18,12 @@ mod reproduce;
 pub mod reproduction;
 mod select;
 mod select_args;
+mod select_list;
 mod settle;
 mod simulate;
 mod urdf_args;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -83,12 +84,25 @@ enum Command {
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return refuse_call(&error),
+    };
     if let Some(threads) = cli.threads {
         // It fails only if a pool exists already, and this is the first use.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
-    run(&cli).unwrap_or_else(|error| report_error(&error))
+    run(&cli).unwrap_or_else(|error| report_error(&error, cli.json))
+}
+
+/// Prints what is wrong with a call, or the help that it asks for; for scripts also as an object.
+fn refuse_call(error: &clap::Error) -> ExitCode {
+    let json = error.use_stderr() && std::env::args_os().any(|word| word == "--json");
+    if json {
+        let text = error.to_string();
+        return report_error(&anyhow::anyhow!("{}", text.trim().trim_start_matches("error: ")), json);
+    }
+    error.exit()
 }
 
 /// Runs what a call asks for.
@@ -97,7 +111,8 @@ pub fn main() -> ExitCode {
 /// What is wrong with the call, the files that it names or the place of its outputs.
 pub fn run(cli: &Cli) -> Result<ExitCode> {
     let reading = ReadOptions { urdf: cli.urdf.options()?, ..ReadOptions::default() };
-    let ui = Ui { json: cli.json, quiet: cli.quiet, reading, warnings: RefCell::default() };
+    let ui =
+        Ui { json: cli.json, quiet: cli.quiet, reading, warnings: RefCell::default(), file_on_stdout: Cell::default() };
     match &cli.command {
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),

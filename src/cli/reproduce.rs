@@ -75,7 +75,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     journal.remove()?;
     bar.finish();
     let seconds = start.elapsed().as_secs_f64();
-    ui.result(&text(args, &exhibits, &settings, seconds), &object(&exhibits, &settings, &files, seconds));
+    ui.result(&text(args, &exhibits, &settings, seconds), &object(&exhibits, &settings, &files, seconds))?;
     Ok(ExitCode::SUCCESS)
 }
 

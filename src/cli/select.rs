@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::files::{ListedPose, Machine, Outputs, read_poses};
+use crate::files::{ListedPose, Machine, read_poses};
 use crate::mechanism::Workspace;
 use crate::observability::{Scaling, index};
 use crate::pose::Pose;
@@ -15,8 +15,8 @@ use crate::selection::{
 use anyhow::{Context, Result, anyhow, bail};
 
 use crate::cli::common::{Ui, page_subject, settings};
-use crate::cli::select_args::{Args, ScalingChoice};
-use crate::files::{JointsAndPose, joints_and_poses};
+use crate::cli::select_args::{Args, Order, ScalingChoice};
+use crate::cli::select_list;
 
 const POSES: usize = 20;
 /// Numbers of poses that a table shows.
@@ -27,18 +27,14 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let listed = number.is_none().then(|| PathBuf::from(&args.candidates));
     let lists = [&listed, &args.given, &args.targets, &args.diagnosis.conditions];
     let inputs = std::iter::once(&args.mechanism).chain(lists.into_iter().flatten());
-    let mut outputs = Outputs::beside_inputs(inputs);
-    outputs.check(&args.output)?;
-    if let Some(path) = &args.report {
-        outputs.check(path)?;
-    }
+    let mut outputs = ui.outputs(inputs, args.output.iter().chain(&args.report))?;
     let requirement = args.requirement()?;
     if args.n == Some(0) {
         bail!("-n 0: select at least one pose");
     }
     let machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
-    let to_diagnose = args.diagnosis.campaign(&machine, ui)?;
+    let planned = args.diagnosis.campaign(&machine, ui)?;
     let workspace = machine.workspace.with_context(|| {
         format!(
             "{}: there is no [workspace] to choose poses from; state \
@@ -51,15 +47,21 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let sources = job.sources(number, &listed)?;
     let (campaign, forecaster) = job.campaign(&workspace, &targets)?;
     let start = std::time::Instant::now();
-    let Choice { report, table } = job.choose(&campaign, forecaster.as_ref(), &sources, &given)?;
+    let Choice { mut report, table } = job.choose(&campaign, forecaster.as_ref(), &sources, &given)?;
     let seconds = start.elapsed().as_secs_f64();
+    if args.order == Order::Random {
+        report.shuffle(given.len(), args.seed);
+    }
     job.warn(&report);
-    let limits = to_diagnose.map(|c| args.diagnosis.limits(&c, &machine, &report.poses)).transpose()?;
+    let rows = select_list::rows(&machine, &mut report, given.len(), args.resolution.as_deref())?;
+    let limits = args.diagnosis.limits(&planned, &machine, &report.poses)?;
     let scaling = campaign.scaling;
     let selector = args.selector();
-    let rows = commands(&machine, &report, given.len())?;
-    let comment = comment(&machine, &report, scaling, selector.name(), args.seed);
-    outputs.add(&args.output, joints_and_poses(&machine, comment, &rows).to_text())?;
+    if let Some(path) = &args.output {
+        let comment = select_list::comment(&machine, &report, scaling.name(), selector.name(), args.seed);
+        let list = select_list::table(&machine, &rows, planned.columns(), comment);
+        outputs.add(path, list.to_text())?;
+    }
     let shown = text::Selection {
         title: machine.mechanism.name(),
         report: &report,
@@ -69,16 +71,16 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         table: &table,
         requirement: requirement.as_ref(),
         limits: limits.as_ref(),
-        file: &args.output.display().to_string(),
+        file: args.output.as_deref().filter(|path| path.as_os_str() != "-").map(|path| path.display().to_string()),
     };
     if let Some(path) = &args.report {
         let read = machine.inputs().iter().chain(lists.into_iter().flatten());
         let subject = page_subject(ui, &machine, machine.mechanism.as_ref(), settings(Some(args.seed), read));
         outputs.add(path, html::selection(&shown, &subject).html())?;
     }
-    outputs.write()?;
-    let coordinates: Vec<[f64; 6]> = report.poses.iter().map(|p| machine.convention.coordinates(p)).collect();
-    ui.result(&text::selection(&shown), &json::selection(&shown, &coordinates, seconds));
+    ui.write(outputs)?;
+    let (poses, joints): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.pose, row.joints.as_slice())).unzip();
+    ui.result(&text::selection(&shown), &json::selection(&shown, &poses, &joints, seconds))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -226,6 +228,14 @@ impl<'a> Job<'a> {
         if n > MOST_POSES {
             self.ui.warn(&format!("{n} poses take long to measure; --table shows where more of them stop paying off"));
         }
+        let repeated = report.repeated();
+        if repeated > 0 {
+            let poses = if repeated == 1 { "1 pose is" } else { &format!("{repeated} poses are") };
+            self.ui.warn(&format!(
+                "{poses} in the list more than once: measuring there again is worth more than another candidate; \
+                 offer more candidates if that is not meant"
+            ));
+        }
         if report.invisible > 0 {
             self.ui.warn(&format!(
                 "no candidate determines {} of the {} parameter directions; the index is taken over the others",
@@ -236,18 +246,6 @@ impl<'a> Job<'a> {
     }
 }
 
-/// The first line of the list of poses.
-fn comment(machine: &Machine, report: &ChosenSet, scaling: Scaling, selector: &str, seed: u64) -> String {
-    format!(
-        "{} poses for {}: {} = {:e} ({} scaling), {selector}, seed {seed}",
-        report.poses.len(),
-        machine.mechanism.name(),
-        report.index,
-        report.value,
-        scaling.name(),
-    )
-}
-
 /// The first half of a refusal: what is missing.
 fn short(cause: &SelectionError) -> String {
     match cause {
@@ -255,16 +253,4 @@ fn short(cause: &SelectionError) -> String {
         SelectionError::NoTolerance { .. } => "[tolerance] is not stated".into(),
         other => other.to_string(),
     }
-}
-
-/// The joints to command for each pose.
-fn commands(machine: &Machine, report: &ChosenSet, given: usize) -> Result<Vec<JointsAndPose>> {
-    let mechanism = machine.mechanism.as_ref();
-    let row = |(k, pose): (usize, &Pose)| {
-        let joints = mechanism.inverse(mechanism.values(), pose, &crate::conditions::Conditions::unknown())?;
-        let label = if k < given { format!("given{}", k + 1) } else { format!("new{}", k + 1 - given) };
-        let id = (given > 0).then_some(label);
-        Ok(JointsAndPose { id, joints, pose: machine.convention.coordinates(pose) })
-    };
-    report.poses.iter().enumerate().map(row).collect()
 }

@@ -31,15 +31,30 @@ pub(crate) enum ScalingChoice {
     Paper,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub(crate) enum Order {
+    /// Shuffled, by the seed.
+    Random,
+    /// As the selector gives them.
+    Given,
+}
+
 /// Arguments of `select`.
 #[derive(clap::Args)]
 #[command(after_help = "Example: paracal select mechanisms/table5.toml -n 20 -o poses.csv")]
 pub(crate) struct Args {
     /// Mechanism file with a [workspace].
     pub(crate) mechanism: PathBuf,
-    /// Table to write: the poses, with the joints to command.
+    /// Table to write: the poses, with the joints to command; without it the choice is only shown.
     #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
+    pub(crate) output: Option<PathBuf>,
+    /// Order of the new poses in the list. A search leaves them sorted, and then a drift looks like a coordinate.
+    #[arg(long, value_enum, default_value = "random")]
+    pub(crate) order: Order,
+    /// Round the joints to command to multiples of this, such as 1um or 0.1arcsec; the poses of the list are where
+    /// they lead to.
+    #[arg(long, value_name = "STEP")]
+    pub(crate) resolution: Option<String>,
     /// HTML page to write: the poses, how the search converged, the predicted accuracy.
     #[arg(long, value_name = "FILE")]
     pub(crate) report: Option<PathBuf>,

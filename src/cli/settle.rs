@@ -38,11 +38,11 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     if let (Some(path), Some(best)) = (&args.output, plans.first().filter(|p| !p.samples.is_empty())) {
         outputs.add(path, plan_table(machine, best)?.to_text())?;
-        outputs.write()?;
+        ui.write(outputs)?;
     } else if let Some(path) = &args.output {
         ui.warn(&format!("{} is not written: there is no tie to settle", path.display()));
     }
-    ui.result(&text::settlement(&found, &plans, machine.mechanism.name()), &json::settlement(&found, &plans));
+    ui.result(&text::settlement(&found, &plans, machine.mechanism.name()), &json::settlement(&found, &plans))?;
     Ok(verdict(found.verdict != Verdict::Misread))
 }
 

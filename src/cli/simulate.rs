@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::effect::{ActiveEffect, AvailableData, EffectContext, Extended, effects_of, without_effects};
 use crate::files::{
-    CsvTable, EffectEntry, ListedPose, Machine, Outputs, PoseList, READING_KINDS, read_parameter_errors,
-    read_pose_list, reading_kind,
+    CsvTable, EffectEntry, ListedPose, Machine, PoseList, READING_KINDS, read_parameter_errors, read_pose_list,
+    reading_kind,
 };
 use crate::measurement::{Frames, Noise};
 use crate::mechanism::Mechanism;
@@ -71,11 +71,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let inputs = [Some(&args.mechanism), Some(&args.poses), args.errors.as_ref()];
-    let mut outputs = Outputs::beside_inputs(inputs.into_iter().flatten());
-    outputs.check(&args.output)?;
-    if let Some(truth) = &args.truth {
-        outputs.check(truth)?;
-    }
+    let mut outputs = ui.outputs(inputs.into_iter().flatten(), std::iter::once(&args.output).chain(&args.truth))?;
     // `None` within draws by the tolerances.
     let error_sd = match args.error_sd.as_deref() {
         Some("tolerance") => Some(None),
@@ -122,7 +118,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         let written = outputs.add_mechanism(path, &document)?;
         written.warnings.iter().for_each(|w| ui.warn(w));
     }
-    outputs.write()?;
+    ui.write(outputs)?;
     let effects: Vec<String> = actual.effects().iter().map(ActiveEffect::label).collect();
     let text =
         format!("{} samples in {}: noise {shown_noise}, seed {}", samples.len(), args.output.display(), args.seed);
@@ -130,7 +126,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         "rows": samples.len(), "noise_position_m": noise.position, "noise_rotation_rad": noise.rotation,
         "seed": args.seed, "true_values": without_effects(truth.as_ref()).values(), "effects": effects,
     });
-    ui.result(&text, &shown);
+    ui.result(&text, &shown)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -118,6 +118,10 @@ impl MeasurementModel for WithInstrumentEffects {
         self.inner.rows(sample)
     }
 
+    fn row_of_each(&self, sample: usize) -> Vec<Option<usize>> {
+        self.inner.row_of_each(sample)
+    }
+
     fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.specs
     }

@@ -1,10 +1,13 @@
 //! Errors of files.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
 
 use crate::files::finding::{Finding, findings_text};
+use crate::files::outputs::is_standard;
 use crate::mechanism::{GeometryError, KinematicsError};
 use crate::units::UnitError;
 
@@ -180,15 +183,27 @@ pub enum FileError {
     },
 }
 
+/// What standard input holds; it can be read once.
+fn standard_input() -> std::io::Result<Vec<u8>> {
+    static READ: AtomicBool = AtomicBool::new(false);
+    if READ.swap(true, Ordering::Relaxed) {
+        return Err(std::io::Error::other("standard input was read already for another argument"));
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// The text of a file.
 ///
 /// # Errors
 /// [`FileError`] if it is missing, a folder, empty or not UTF-8.
 pub(super) fn read_text(path: &Path) -> Result<String, FileError> {
-    if path.is_dir() {
+    if path.is_dir() && !is_standard(path) {
         return Err(FileError::Folder { path: path.into() });
     }
-    let bytes = std::fs::read(path).map_err(|cause| FileError::Read { path: path.into(), cause })?;
+    let bytes = if is_standard(path) { standard_input() } else { std::fs::read(path) };
+    let bytes = bytes.map_err(|cause| FileError::Read { path: path.into(), cause })?;
     let text = String::from_utf8(bytes).map_err(|e| {
         let offset = e.utf8_error().valid_up_to();
         let line = 1 + e.as_bytes()[..offset].iter().filter(|b| **b == b'\n').count();

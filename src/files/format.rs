@@ -4,6 +4,12 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+/// A name on one line, whose control characters are spelled out (`\n`, `\u{1b}`).
+pub(crate) fn spelled_out(name: &str) -> String {
+    let spelled = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    name.chars().map(spelled).collect()
+}
+
 /// True if a text is XML.
 pub(crate) fn is_xml(text: &str) -> bool {
     text.trim_start().starts_with('<')
@@ -21,4 +27,24 @@ pub(crate) fn names_a_urdf(text: &str) -> Option<String> {
         urdf: Option<String>,
     }
     toml::from_str::<Key>(text).ok().and_then(|k| k.urdf)
+}
+
+/// True for a text that begins as a mechanism file does: XML, a list of TOML, or a key with a value.
+pub(crate) fn begins_a_mechanism(text: &str) -> bool {
+    let first = first_line(text);
+    let is_key = |key: &str| !key.is_empty() && key.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    let key = first.split_once('=').map(|(key, _)| key.trim());
+    first.starts_with('<') || first.starts_with("[[") || key.is_some_and(|key| key != "sep" && is_key(key))
+}
+
+/// True for a text that begins as a table does: with names that commas, semicolons or tabs separate.
+pub(crate) fn begins_a_table(text: &str) -> bool {
+    let first = first_line(text);
+    first.starts_with("sep=") || !first.contains(['=', '[', '<']) && first.split([',', ';', '\t']).nth(2).is_some()
+}
+
+/// The first line with content that is no comment.
+fn first_line(text: &str) -> &str {
+    let is_comment = |line: &str| line.starts_with('#') || line.starts_with("//");
+    text.lines().map(str::trim).find(|line| !line.is_empty() && !is_comment(line)).unwrap_or("")
 }

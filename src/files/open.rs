@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::files::error::{FileError, read_text};
-use crate::files::format::{is_urdf, is_xml, names_a_urdf};
+use crate::files::format::{begins_a_table, is_urdf, is_xml, names_a_urdf};
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::read::build;
@@ -70,8 +70,14 @@ impl Machine {
         if is_xml(text) {
             return urdf::from_text(path, text, options);
         }
-        let document: MechanismDocument = toml::from_str(text)
-            .map_err(|e| FileError::Toml { path: path.into(), message: e.to_string().trim_end().to_owned() })?;
+        let document: MechanismDocument = toml::from_str(text).map_err(|e| {
+            let message = if begins_a_table(text) {
+                "is a table and not a mechanism file; name the mechanism file first and the table after it".into()
+            } else {
+                e.to_string().trim_end().to_owned()
+            };
+            FileError::Toml { path: path.into(), message }
+        })?;
         Self::from_document_with(document, path, options)
     }
 

@@ -12,7 +12,7 @@ use crate::files::error::FileError;
 /// Files that are to appear together.
 ///
 /// Each is written under a temporary name in its own folder; only when all are on the disk are they renamed.
-/// What is not a regular file (`/dev/stdout`, a pipe) is written directly, after the others are staged.
+/// What is not a regular file (`-`, which is standard output, or a pipe) is written directly, after the others are staged.
 ///
 /// Temporary files are called `.paracal-….part`. A run that is killed may leave one behind; whoever writes into that
 /// folder an hour later removes it.
@@ -33,11 +33,19 @@ impl Outputs {
         self.inputs.extend(inputs.into_iter().map(|p| p.as_ref().into()));
     }
 
+    /// True if one of the files is standard output.
+    pub fn on_standard_output(&self) -> bool {
+        self.files.iter().any(|(path, _)| is_standard(path))
+    }
+
     /// Checks that `path` may be written, before any work is done for it.
     ///
     /// # Errors
     /// [`FileError::OverInput`], [`FileError::Folder`], or [`FileError::Write`] if its folder does not exist.
     pub fn check(&self, path: &Path) -> Result<(), FileError> {
+        if is_standard(path) {
+            return Ok(());
+        }
         if path.is_dir() {
             return Err(FileError::Folder { path: path.into() });
         }
@@ -101,7 +109,7 @@ impl Outputs {
     }
 
     fn stage(&self, staged: &mut Vec<(PathBuf, PathBuf)>) -> Result<(), FileError> {
-        let regular = |path: &Path| fs::metadata(path).map_or(true, |m| m.is_file());
+        let regular = |path: &Path| !is_standard(path) && fs::metadata(path).map_or(true, |m| m.is_file());
         let mut folders = BTreeSet::new();
         for (path, bytes) in self.files.iter().filter(|(p, _)| regular(p)) {
             // A link is followed, so that the file behind it is replaced and not the link.
@@ -121,14 +129,20 @@ impl Outputs {
             written.map_err(|cause| write_error(&path, cause))?;
         }
         for (path, bytes) in self.files.iter().filter(|(p, _)| !regular(p)) {
-            let written = OpenOptions::new().write(true).open(path).and_then(|mut f| {
-                f.write_all(bytes)?;
-                f.flush()
-            });
+            let put = |to: &mut dyn Write| to.write_all(bytes).and_then(|()| to.flush());
+            let written = match is_standard(path) {
+                true => put(&mut std::io::stdout().lock()),
+                false => OpenOptions::new().write(true).open(path).and_then(|mut f| put(&mut f)),
+            };
             written.map_err(|cause| write_error(path, cause))?;
         }
         Ok(())
     }
+}
+
+/// True for `-`, which names standard input where a file is read and standard output where one is written.
+pub(crate) fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 /// How the name of a temporary file begins and ends.

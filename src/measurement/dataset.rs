@@ -94,6 +94,11 @@ impl Dataset {
         &self.model
     }
 
+    /// The row of each quantity of a complete reading in the `k`-th kept sample ([`MeasurementModel::row_of_each`]).
+    pub fn row_of_each(&self, k: usize) -> Vec<Option<usize>> {
+        self.model.row_of_each(self.kept[k])
+    }
+
     /// Kinds of the rows of the `k`-th kept sample.
     pub fn rows(&self, k: usize) -> Vec<RowKind> {
         self.model.rows(self.kept[k])

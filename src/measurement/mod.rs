@@ -70,6 +70,12 @@ pub trait MeasurementModel: Debug + Send + Sync {
     /// Kind of each row of a sample; its length is the number `k` of rows.
     fn rows(&self, sample: usize) -> Vec<RowKind>;
 
+    /// The row of each quantity of a complete reading (six coordinates of a pose, three of each target), `None` for one that
+    /// was not measured.
+    fn row_of_each(&self, sample: usize) -> Vec<Option<usize>> {
+        (0..self.rows(sample).len()).map(Some).collect()
+    }
+
     /// Parameters of the measurement that are identified together with those of the mechanism.
     fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &[]
@@ -122,6 +128,12 @@ pub enum TargetFrame {
     Known,
     /// The points have unknown places, which are identified; they take the place of a target frame.
     Identified,
+}
+
+/// Numbers what was measured.
+fn numbered(measured: impl IntoIterator<Item = bool>) -> Vec<Option<usize>> {
+    let mut next = 0..;
+    measured.into_iter().map(|measured| if measured { next.next() } else { None }).collect()
 }
 
 /// A measured point.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Rotation3, Vector3};
 
-use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, numbered};
 use crate::pose::{Pose, PoseConvention, rotation_vector, wrapped_angle};
 
 /// Beyond this |β|, rad, differences of the angles no longer tell the size of a turn: one angle counts up to 1/cos β
@@ -118,6 +118,10 @@ impl MeasurementModel for PoseMeasurement {
     fn rows(&self, sample: usize) -> Vec<RowKind> {
         let kind = |k: usize| if k < 3 { RowKind::Position } else { RowKind::Rotation };
         (0..6).filter(|&k| self.readings[sample].measured[k]).map(kind).collect()
+    }
+
+    fn row_of_each(&self, sample: usize) -> Vec<Option<usize>> {
+        numbered(self.readings[sample].measured)
     }
 
     fn evaluate(&self, index: usize, _sample: &Sample, pose: &Pose, frames: &Frames, _own: &[f64], out: &mut Rows) {

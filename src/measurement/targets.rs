@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::pose_measurement::point_motion;
-use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame};
+use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame, numbered};
 use crate::mechanism::{Axis, ParameterRole, ParameterSpec};
 use crate::pose::{Pose, fit_rigid_motion};
 use crate::units::Dimension;
@@ -96,6 +96,10 @@ impl MeasurementModel for TargetMeasurement {
 
     fn rows(&self, sample: usize) -> Vec<RowKind> {
         vec![RowKind::Position; self.readings[sample].iter().flatten().flatten().count()]
+    }
+
+    fn row_of_each(&self, sample: usize) -> Vec<Option<usize>> {
+        numbered(self.readings[sample].iter().flatten().map(Option::is_some))
     }
 
     fn nuisance_parameters(&self) -> &[ParameterSpec] {

@@ -1,6 +1,9 @@
 //! The whole job: candidates, choice, bound, forecast.
 
 use nalgebra::DMatrix;
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::SliceRandom;
 
 use super::forecast::{Forecast, Forecaster};
 use super::relaxation::relax_with;
@@ -58,6 +61,28 @@ pub struct ChosenSet {
     pub invisible: usize,
     /// Predicted accuracy of a calibration with these poses.
     pub forecast: Option<Forecast>,
+}
+
+/// Stream of the generator that orders poses: apart from the one that chooses them.
+const ORDER: u64 = 1;
+
+impl ChosenSet {
+    /// Puts the poses behind the `given` ones in random order. Measured as a search leaves them, sorted by a coordinate, a
+    /// drift would look like that coordinate.
+    pub fn shuffle(&mut self, given: usize, seed: u64) {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(ORDER);
+        if let Some(new) = self.poses.get_mut(given..) {
+            new.shuffle(&mut rng);
+        }
+    }
+
+    /// How many poses are in the set more than once.
+    pub fn repeated(&self) -> usize {
+        let is_first = |k: &usize| !self.poses[..*k].contains(&self.poses[*k]);
+        let again = |k: &usize| self.poses[*k + 1..].contains(&self.poses[*k]);
+        (0..self.poses.len()).filter(is_first).filter(again).count()
+    }
 }
 
 /// Collects candidates and chooses `n` poses in all, given ones included.

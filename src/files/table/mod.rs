@@ -1,5 +1,6 @@
 //! Tables in CSV: columns whose names carry the unit, cells, and what they mean (operating states, lists of poses); and the writer.
 
+pub(crate) mod cells;
 pub(crate) mod column;
 pub(crate) mod joint_columns;
 pub(crate) mod joint_table;

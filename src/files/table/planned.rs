@@ -12,9 +12,11 @@ use crate::effect::EffectContext;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::readings::reading_columns;
+use crate::files::table::cells::is_missing;
 use crate::files::table::column::Meaning;
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
+use crate::files::table::writer::CsvTable;
 use crate::measurement::{DataRow, Sample};
 use crate::mechanism::{Body, KinematicsError};
 use crate::pose::Pose;
@@ -26,6 +28,8 @@ use crate::units::Dimension;
 pub struct PlannedConditions {
     /// The conditions in order, outside of a run.
     pub states: Vec<Conditions>,
+    /// Their columns as they stand in the file.
+    pub columns: CsvTable,
     /// Warnings for the user.
     pub warnings: Vec<String>,
 }
@@ -51,12 +55,12 @@ pub fn read_conditions(path: impl AsRef<Path>, machine: &Machine) -> Result<Plan
                     .into(),
         });
     }
-    for k in columns {
-        if let Some(row) = table.rows.iter().position(|(_, cells)| cells[k].is_empty()) {
+    for k in columns.iter().copied() {
+        if let Some(row) = table.rows.iter().position(|(_, cells)| is_missing(&cells[k])) {
             return Err(table.cell_error(row, k, "must not be empty; write what is planned, or delete the column"));
         }
     }
-    Ok(PlannedConditions { states, warnings })
+    Ok(PlannedConditions { states, columns: table.excerpt(&columns), warnings })
 }
 
 /// Air: amplitude, K, cycles in the run, phase at its beginning.

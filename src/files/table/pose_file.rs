@@ -6,9 +6,10 @@ use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::readings::reading_columns;
+use crate::files::table::cells::Cells;
 use crate::files::table::column::{Meaning, POSE_NAMES, pose_dimension};
 use crate::files::table::states::States;
-use crate::files::table::text_table::{Table, no_data_row, read_cells};
+use crate::files::table::text_table::{Table, no_data_row};
 use crate::files::table::writer::CsvTable;
 use crate::mechanism::{Mechanism, ParameterSpec};
 use crate::pose::Pose;
@@ -91,11 +92,7 @@ pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseL
     let is_state =
         |k: &usize| matches!(table.columns[*k].meaning, Meaning::Covariate(_) | Meaning::Clock) && !ignored.contains(k);
     let kept: Vec<usize> = (0..table.columns.len()).filter(is_state).collect();
-    let covariates = CsvTable {
-        comments: Vec::new(),
-        header: kept.iter().map(|k| table.columns[*k].name.clone()).collect(),
-        rows: table.rows.iter().map(|(_, cells)| kept.iter().map(|k| cells[*k].clone()).collect()).collect(),
-    };
+    let covariates = table.excerpt(&kept);
     Ok(PoseList { poses, covariates, warnings })
 }
 
@@ -107,7 +104,7 @@ pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseL
 /// [`FileError`] naming row, column and what to do.
 pub fn read_parameter_errors(path: impl AsRef<Path>, mechanism: &dyn Mechanism) -> Result<Vec<f64>, FileError> {
     let path = path.as_ref();
-    let (header, rows) = read_cells(path)?;
+    let Cells { header, rows, .. } = Cells::read(path)?;
     let leg_column = header.iter().position(|h| h == "leg").ok_or_else(|| FileError::Header {
         path: path.into(),
         problem: "parameter errors need a column 'leg'".into(),

@@ -9,6 +9,7 @@ use crate::conditions::{Conditions, ELEVATION, TIME};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::sections::GravityAxis;
+use crate::files::table::cells::is_missing;
 use crate::files::table::column::Meaning;
 use crate::files::table::text_table::Table;
 use crate::files::table::time::{is_dateless, parse_time};
@@ -37,7 +38,7 @@ impl States {
     /// # Errors
     /// [`FileError`] naming row, column and what to do.
     pub(crate) fn read(table: &Table, machine: &Machine) -> Result<Self, FileError> {
-        let mut warnings = Vec::new();
+        let mut warnings = table.warnings.clone();
         let ignored = ignored_columns(table);
         if !ignored.is_empty() {
             let names: Vec<&str> = ignored.iter().map(|k| table.columns[*k].name.as_str()).collect();
@@ -92,7 +93,7 @@ impl Clock {
     /// Seconds since the first row that has a time; `None` where the cell is empty.
     fn since_first(&mut self, table: &Table, row: usize, column: usize) -> Result<Option<f64>, FileError> {
         let text = &table.rows[row].1[column];
-        if text.is_empty() {
+        if is_missing(text) {
             return Ok(None);
         }
         let advice = "is not a time; write 2026-03-01T12:30:00 or 12:30:00";
@@ -219,7 +220,7 @@ fn ignored_columns(table: &Table) -> Vec<usize> {
     let text_only = |k: usize| {
         matches!(table.columns[k].meaning, Meaning::Covariate(_))
             && table.columns[k].unit.is_none()
-            && table.rows.iter().all(|(_, cells)| cells[k].parse::<f64>().is_err())
+            && table.rows.iter().all(|(_, cells)| is_missing(&cells[k]) || cells[k].parse::<f64>().is_err())
     };
     (0..table.columns.len()).filter(|k| text_only(*k)).collect()
 }

@@ -1,13 +1,15 @@
-//! A CSV file as columns with meanings and rows of cells.
+//! A table as columns with meanings and rows of cells.
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use crate::files::error::{FileError, read_text};
+use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::reader::MOST;
+use crate::files::table::cells::{Cells, is_missing};
 use crate::files::table::column::{Column, Meaning, ReadingNames, column};
+use crate::files::table::writer::CsvTable;
 
 /// A table whose rows all have the length of its header.
 pub(crate) struct Table {
@@ -15,18 +17,20 @@ pub(crate) struct Table {
     pub(crate) columns: Vec<Column>,
     /// Line in the file and cells, by data row.
     pub(crate) rows: Vec<(u64, Vec<String>)>,
+    /// What the user should know of how it was read.
+    pub(crate) warnings: Vec<String>,
 }
 
 impl Table {
     /// Reads a table and what its columns mean for a machine and for the kinds of reading.
     pub(crate) fn read(path: &Path, machine: &Machine, readings: ReadingNames<'_>) -> Result<Self, FileError> {
         let (mechanism, joints) = (machine.mechanism.as_ref(), machine.joint_columns());
-        let (header, rows) = read_cells(path)?;
+        let Cells { header, rows, warnings } = Cells::read(path)?;
         let mut columns: Vec<Column> = Vec::with_capacity(header.len());
         for name in &header {
             let problem = |problem: String| FileError::Column { path: path.into(), column: name.clone(), problem };
             if name.is_empty() {
-                return Err(problem("has no name".into()));
+                return Err(problem("has no name, and cells with content; name it or delete it".into()));
             }
             let of = |name: &str| column(name, &header, mechanism, readings, &joints, machine.condition_kinds());
             if let Some(usual) = without_brackets(name)
@@ -47,7 +51,17 @@ impl Table {
         if rows.is_empty() {
             return Err(no_data_row(path));
         }
-        Ok(Self { path: path.into(), columns, rows })
+        Ok(Self { path: path.into(), columns, rows, warnings })
+    }
+
+    /// Some of the columns, as they stand in the file.
+    pub(crate) fn excerpt(&self, columns: &[usize]) -> CsvTable {
+        let cells = |(_, cells): &(u64, Vec<String>)| columns.iter().map(|k| cells[*k].clone()).collect();
+        CsvTable {
+            comments: Vec::new(),
+            header: columns.iter().map(|k| self.columns[*k].name.clone()).collect(),
+            rows: self.rows.iter().map(cells).collect(),
+        }
     }
 
     /// The error of one cell.
@@ -64,8 +78,7 @@ impl Table {
 
     /// The number in a cell, SI; `None` if the cell is empty.
     pub(crate) fn number(&self, row: usize, column: usize) -> Result<Option<f64>, FileError> {
-        let text = &self.rows[row].1[column];
-        if text.is_empty() {
+        if is_missing(&self.rows[row].1[column]) {
             return Ok(None);
         }
         self.parsed(row, column, "leave the cell empty if nothing was measured").map(Some)
@@ -73,7 +86,7 @@ impl Table {
 
     /// The number in a cell that must not be empty.
     pub(crate) fn required(&self, row: usize, column: usize) -> Result<f64, FileError> {
-        if self.rows[row].1[column].is_empty() {
+        if is_missing(&self.rows[row].1[column]) {
             return Err(self.cell_error(row, column, "must not be empty; fill it in or delete the row"));
         }
         self.parsed(row, column, "correct it or delete the row")
@@ -82,7 +95,11 @@ impl Table {
     fn parsed(&self, row: usize, column: usize, advice: &str) -> Result<f64, FileError> {
         let text = &self.rows[row].1[column];
         let error = |problem: &str| self.cell_error(row, column, format!("{problem}; {advice}"));
-        let value: f64 = text.parse().map_err(|_| error("is not a number"))?;
+        let decimal_comma = || text.replacen(',', ".", 1).parse::<f64>().is_ok();
+        let value: f64 = text.parse().map_err(|_| match decimal_comma() {
+            true => self.cell_error(row, column, "has a decimal comma; save the table with decimal points in numbers"),
+            false => error("is not a number"),
+        })?;
         let value = self.columns[column].unit.map_or(value, |u| u.to_si(value));
         let value = self.columns[column].joint.as_ref().map_or(value, |j| j.length(value));
         match value {
@@ -142,56 +159,6 @@ impl Table {
 /// The error of a table that ends with its header.
 pub(crate) fn no_data_row(path: &Path) -> FileError {
     FileError::Header { path: path.into(), problem: "there is a header but no data row; add rows below it".into() }
-}
-
-/// Header and rows of a CSV file, with the line of each row.
-#[allow(clippy::type_complexity)]
-pub(crate) fn read_cells(path: &Path) -> Result<(Vec<String>, Vec<(u64, Vec<String>)>), FileError> {
-    let text = read_text(path)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .has_headers(false)
-        .from_reader(text.as_bytes());
-    let mut rows: Vec<(u64, Vec<String>)> = Vec::new();
-    for record in reader.records() {
-        let record = record
-            .map_err(|e| FileError::Header { path: path.into(), problem: format!("cannot be read as CSV: {e}") })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        // A line of blanks between rows is no row.
-        if record.len() == 1 && record.get(0).is_some_and(str::is_empty) {
-            continue;
-        }
-        rows.push((line, record.iter().map(str::to_owned).collect()));
-    }
-    if rows.is_empty() {
-        return Err(FileError::Header {
-            path: path.into(),
-            problem: "there is no header line; the first line names the columns".into(),
-        });
-    }
-    let (_, header) = rows.remove(0);
-    if let Some(separator) = other_separator(&header) {
-        let problem = format!(
-            "the columns are separated by {separator}; save the table with commas between columns and decimal points \
-             in numbers"
-        );
-        return Err(FileError::Header { path: path.into(), problem });
-    }
-    for (row, (line, cells)) in rows.iter().enumerate() {
-        if cells.len() != header.len() {
-            let (found, expected) = (cells.len(), header.len());
-            return Err(FileError::RowLength { path: path.into(), row, line: *line, found, expected });
-        }
-    }
-    Ok((header, rows))
-}
-
-/// What separates the columns of a header, if it is no comma: spreadsheets of many countries write semicolons.
-fn other_separator(header: &[String]) -> Option<&'static str> {
-    let count = |separator: char| header.iter().map(|name| name.matches(separator).count()).sum::<usize>();
-    [(';', "semicolons"), ('\t', "tabs")].into_iter().find(|(c, _)| count(*c) >= header.len()).map(|(_, name)| name)
 }
 
 /// `x_mm` for `X [mm]` or `x (mm)`: how a name with its unit in brackets is written here.

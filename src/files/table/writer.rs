@@ -10,7 +10,7 @@ pub fn number(value: f64) -> String {
 /// A table to be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CsvTable {
-    /// Comment lines above the header, without `#`.
+    /// Comment lines, without `#`. They stand below the rows: readers of other programs take the first line for the names.
     pub comments: Vec<String>,
     /// Column names with units.
     pub header: Vec<String>,
@@ -29,12 +29,15 @@ impl CsvTable {
 
     /// The file's text.
     pub fn to_text(&self) -> String {
-        let mut text: String = self.comments.iter().map(|c| format!("# {c}\n")).collect();
+        let mut text = String::new();
         for row in std::iter::once(&self.header).chain(&self.rows) {
             let cells: Vec<String> = row.iter().map(|c| quoted(c)).collect();
             text += &cells.join(",");
             text.push('\n');
         }
+        // A name of several lines must not become a row.
+        let line = |comment: &String| format!("# {}\n", comment.replace(|c: char| c.is_control(), " "));
+        text.extend(self.comments.iter().map(line));
         text
     }
 }

@@ -9,6 +9,7 @@ use super::closures::{Closure, inline};
 use super::findings::Findings;
 use super::xml::Element;
 use crate::files::finding::FindingKind as K;
+use crate::files::format::spelled_out;
 
 /// Most links, and most joints.
 const MAX_PARTS: usize = 5_000;
@@ -205,9 +206,9 @@ fn knows_quaternions(version: &str) -> bool {
     numbers.is_some_and(|v: (u32, u32)| v >= (1, 1))
 }
 
-/// Text as it stands in an attribute.
+/// Text as it stands in an attribute; control characters, which XML does not have, are spelled out.
 pub(in crate::files) fn escaped(text: &str) -> String {
-    quick_xml::escape::escape(text).into_owned()
+    quick_xml::escape::escape(spelled_out(text)).into_owned()
 }
 
 /// The first macro of xacro in the tree, with its line.

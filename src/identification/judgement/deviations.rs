@@ -24,6 +24,8 @@ pub struct Deviation {
     pub joints: Vec<f64>,
     /// Measured minus predicted, m and rad, by row of the reading.
     pub readings: Vec<(RowKind, f64)>,
+    /// Which of these is each quantity of a complete reading, `None` for one that was not measured.
+    pub row_of_each: Vec<Option<usize>>,
 }
 
 /// Deviations of all samples from a model, in the order of the data. `own` as for [`evaluate`](crate::identification::evaluate).
@@ -42,6 +44,7 @@ pub fn deviations(mechanism: &dyn Mechanism, own: &[f64], data: &Dataset) -> Res
             pose: *pose,
             motion,
             joints: in_joints(mechanism, data, k, pose, &motion, arm),
+            row_of_each: data.row_of_each(k),
             readings: data.rows(k).into_iter().zip(rows.residual.iter().map(|r| -r)).collect(),
         }
     })

@@ -47,10 +47,10 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
     let good = r.efficiency.is_some_and(|e| e > 0.9) && subject.warnings.is_empty();
     Page {
         title: format!("{}: poses to measure", s.title),
-        verdict: format!("Measure the {} poses of {}: {sure}.", r.poses.len() - s.given, s.file),
+        verdict: format!("{} poses to measure: {sure}.", r.poses.len() - s.given),
         tone: if good { Tone::Good } else { Tone::Mind },
         numbers: known(numbers),
-        lead: subject.lead(vec![format!("What to do: measure the poses of {}, then `paracal calibrate`.", s.file)]),
+        lead: subject.lead(vec![format!("What to do: {}.", text::next_step(s))]),
         sections,
         settings: subject.settings.clone(),
     }

@@ -1,22 +1,22 @@
 //! One JSON object for each command. Numbers are SI; what is not known is `null`.
 
+mod calibration;
 mod diagnosis;
 mod settlement;
 
+pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use settlement::{campaign_limits, detection_limits, settlement};
 
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::identification::{ErrorSummary, ModelErrors};
 use crate::measurement::DataRow;
-use crate::mechanism::ParameterRole;
 use crate::observability::PredictedError;
 use crate::pose::Pose;
 use crate::report::text::{Inspection, Selection};
 use crate::selection::ChosenSet;
-use crate::units::Dimension;
 
 /// A number, or `null` if it is not finite.
 fn real(value: f64) -> Value {
@@ -38,79 +38,11 @@ fn motion(pose: &Pose) -> Value {
     json!({ "position_m": &q[..3], "rotation_rad": &q[3..] })
 }
 
-fn estimate(p: &Estimate) -> Value {
-    json!({
-        "name": p.spec.name,
-        "nominal": real(p.spec.nominal),
-        "value": real(p.value),
-        "sigma": p.sigma.map(real),
-        "unit": p.spec.dimension.si(),
-    })
-}
-
-/// False for the offset of a joint that is not a length.
-fn length_offset(p: &Estimate) -> bool {
-    !matches!(p.spec.role, ParameterRole::JointOffset { .. }) || p.spec.dimension == Dimension::Length
-}
-
 fn predicted(p: &PredictedError) -> Value {
     json!({
         "poses": p.poses,
         "rms": { "position_m": p.position_rms, "rotation_rad": p.rotation_rms },
         "max": { "position_m": p.position_max, "rotation_rad": p.rotation_max },
-    })
-}
-
-/// Pairs of correlated parameters that are listed.
-const CORRELATIONS: usize = 10;
-
-/// The object of `calibrate`.
-pub fn calibration(c: &Calibration) -> Value {
-    let found = &c.identification;
-    let own = &c.parameters[found.mechanism_parameters..];
-    let history: Vec<Value> = found
-        .history
-        .iter()
-        .map(|h| json!({ "cost": real(h.cost), "step": real(h.step), "damping": real(h.damping) }))
-        .collect();
-    let pairs = found.strongest_correlations(CORRELATIONS);
-    let pair = |(a, b, r): &(&str, &str, f64)| json!({ "first": a, "second": b, "correlation": r });
-    let correlations: Vec<Value> = pairs.iter().map(pair).collect();
-    json!({
-        "identifier": c.identifier,
-        "converged": c.converged,
-        "convergence": if c.converged { json!(found.convergence.text()) } else { Value::Null },
-        "iterations": found.history.len(),
-        "history": history,
-        "samples": found.poses.len(),
-        "parameters": c.parameters[..found.mechanism_parameters].iter().map(estimate).collect::<Vec<_>>(),
-        "measurement_parameters": own.iter().map(estimate).collect::<Vec<_>>(),
-        "correlations": correlations,
-        "rms_before": errors(&c.before),
-        "rms_after": errors(&c.after),
-        "held_out": c.held_out.as_ref().map(|h| errors(&h.rms)),
-        "held_out_rows": c.held_out.as_ref().map(|h| h.samples),
-        "predicted": c.predicted.as_ref().map(predicted),
-        "prior": found.prior,
-        "noise_scale": real(found.noise_scale),
-        "chi_square": real(found.misfit.chi_square),
-        "degrees_of_freedom": found.misfit.degrees_of_freedom,
-        "p_value": found.misfit.p_value().map(real),
-        "frames": {
-            "registered": c.registration.applied,
-            "base": motion(&c.plausibility.base),
-            "target": motion(&c.plausibility.target),
-            "leg_offsets_m": c.parameters[..found.mechanism_parameters].iter().all(length_offset).then_some(&c.plausibility.leg_offsets),
-            "joint_offsets": c.plausibility.leg_offsets,
-        },
-        "weak_directions": c.weak.iter().map(|w| json!({ "sigma": real(w.sigma), "text": w.text })).collect::<Vec<_>>(),
-        "implausible": c.plausibility.implausible.iter().map(|p| json!({
-            "name": p.name, "deviation": real(p.deviation), "tolerance": real(p.tolerance), "unit": p.dimension.si(),
-        })).collect::<Vec<_>>(),
-        "outlier_rows": rows(&found.outliers),
-        "trusted": c.verdict.trusted,
-        "reasons": c.verdict.reasons,
-        "warnings": c.verdict.warnings,
     })
 }
 
@@ -164,8 +96,8 @@ pub fn inspection(i: &Inspection<'_>) -> Value {
     })
 }
 
-/// The object of `select`; `poses` are the coordinates of the chosen poses, m and rad.
-pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
+/// The object of `select`; the chosen poses (coordinates, m and rad) and their joints are in the order of the list.
+pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], joints: &[&[f64]], seconds: f64) -> Value {
     let r = s.report;
     let row = |r: &ChosenSet| {
         json!({
@@ -185,6 +117,7 @@ pub fn selection(s: &Selection<'_>, poses: &[[f64; 6]], seconds: f64) -> Value {
         "iterations": r.iterations,
         "trace": trace.iter().map(|v| real(*v)).collect::<Vec<_>>(),
         "poses": poses,
+        "joints": joints,
         "given": s.given,
         "candidates": r.candidates,
         "invisible_directions": r.invisible,

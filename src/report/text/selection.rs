@@ -24,8 +24,8 @@ pub struct Selection<'a> {
     pub requirement: Option<&'a Requirement>,
     /// Detection limits of a diagnosis with these poses, if requested.
     pub limits: Option<&'a CampaignLimits>,
-    /// Where the poses were written.
-    pub file: &'a str,
+    /// Where the poses were written, if they were.
+    pub file: Option<String>,
 }
 
 /// Least part by which a pose more should lower the predicted error.
@@ -87,9 +87,20 @@ pub fn selection(s: &Selection<'_>) -> String {
     if let Some(limits) = s.limits {
         text += &format!("\n{}", campaign_limits(limits));
     }
-    let next = if s.limits.is_some() { "diagnose" } else { "calibrate" };
-    text += &format!("\nMeasure the {new} poses of {}, then: paracal {next}", s.file);
+    text += &format!("\n{}", next_step(s));
     text
+}
+
+/// What to do with a choice, in a sentence.
+pub(in crate::report) fn next_step(s: &Selection<'_>) -> String {
+    let new = s.report.poses.len() - s.given;
+    let then = if s.limits.is_some() { "diagnose" } else { "calibrate" };
+    match &s.file {
+        Some(file) => format!("Measure the {new} poses of {file} in this order, then: paracal {then}"),
+        None => {
+            format!("Nothing was written: add -o poses.csv for the {new} poses and the joints to command, then measure")
+        }
+    }
 }
 
 /// A row of the table of numbers of poses: number, index, efficiency, predicted errors.
