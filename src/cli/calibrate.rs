@@ -14,7 +14,8 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use serde_json::Value;
 
-use crate::cli::common::{Ui, about, page_subject, settings, verdict};
+use crate::cli::common::{about, page_subject, settings, verdict};
+use crate::cli::ui::Ui;
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Prior {

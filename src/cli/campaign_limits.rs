@@ -10,7 +10,7 @@ use crate::pose::Pose;
 use crate::report::text::CampaignLimits;
 use anyhow::{Result, anyhow, bail};
 
-use crate::cli::common::Ui;
+use crate::cli::ui::Ui;
 
 /// Options of `select` for a campaign that is to be diagnosed.
 #[derive(clap::Args)]

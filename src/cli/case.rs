@@ -6,7 +6,8 @@ use crate::diagnosis::{DiagnoseError, Question};
 use crate::files::{Machine, Measurement, Outputs};
 use anyhow::{Result, bail};
 
-use crate::cli::common::{Ui, about};
+use crate::cli::common::about;
+use crate::cli::ui::Ui;
 
 /// The two files, and how their noise is meant.
 #[derive(clap::Args)]

@@ -11,7 +11,8 @@ use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
-use crate::cli::common::{Ui, joint_noun};
+use crate::cli::common::joint_noun;
+use crate::cli::ui::Ui;
 use crate::files::{JointsAndPose, joints_and_poses};
 
 /// Arguments of `compensate`.

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use anyhow::{Result, bail};
 use serde_json::json;
 
-use crate::cli::common::Ui;
+use crate::cli::ui::Ui;
+use crate::report::text;
 
 /// Arguments of `convert`.
 #[derive(clap::Args)]
@@ -42,12 +43,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     ui.write(outputs)?;
     written.warnings.iter().for_each(|w| ui.warn(w));
     let beside = written.side.as_ref().map_or_else(String::new, |p| format!(", with {} next to it", p.display()));
-    let text = format!("{}: {}{beside}", args.output.display(), machine.mechanism.name());
+    let said = format!("{}: {}{beside}", args.output.display(), text::heading(machine.mechanism.name()));
     let warnings: Vec<&String> = machine.warnings.iter().chain(&written.warnings).collect();
     let shown = json!({
         "output": args.output, "side_file": written.side, "name": machine.mechanism.name(),
         "joints": machine.joint_names(), "warnings": warnings,
     });
-    ui.result(&text, &shown)?;
+    ui.result(&said, &shown)?;
     Ok(ExitCode::SUCCESS)
 }

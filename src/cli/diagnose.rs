@@ -8,7 +8,8 @@ use crate::report::{html, json, text};
 use anyhow::{Context, Result};
 
 use crate::cli::case::CaseArgs;
-use crate::cli::common::{Ui, page_subject, settings, verdict};
+use crate::cli::common::{page_subject, settings, verdict};
+use crate::cli::ui::Ui;
 
 /// Arguments of `diagnose`.
 #[derive(clap::Args)]

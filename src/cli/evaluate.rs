@@ -8,7 +8,8 @@ use crate::report::html::{self, Measured, ModelResiduals};
 use crate::report::{json, text};
 use anyhow::Result;
 
-use crate::cli::common::{Ui, about, page_subject, settings};
+use crate::cli::common::{about, page_subject, settings};
+use crate::cli::ui::Ui;
 
 /// Arguments of `evaluate`.
 #[derive(clap::Args)]

@@ -17,7 +17,7 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::{Value, json};
 
-use crate::cli::common::Ui;
+use crate::cli::ui::Ui;
 
 /// Arguments of `inspect`.
 #[derive(clap::Args)]

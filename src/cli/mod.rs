@@ -21,6 +21,7 @@ mod select_args;
 mod select_list;
 mod settle;
 mod simulate;
+mod ui;
 mod urdf_args;
 
 use std::cell::{Cell, RefCell};
@@ -30,8 +31,8 @@ use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::files::ReadOptions;
-use common::{Ui, report_error};
 pub use effect_args::effect_entry;
+use ui::{Ui, report_error};
 
 /// Calibrates parallel mechanisms: six-hardpoint mirror positioners, hexapods, Stewart platforms.
 #[derive(Parser)]

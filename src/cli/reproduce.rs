@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 
-use crate::cli::common::Ui;
+use crate::cli::ui::Ui;
 
 /// All exhibits.
 const ALL: &str = "all";

@@ -14,9 +14,10 @@ use crate::selection::{
 };
 use anyhow::{Context, Result, anyhow, bail};
 
-use crate::cli::common::{Ui, page_subject, settings};
+use crate::cli::common::{page_subject, settings};
 use crate::cli::select_args::{Args, Order, ScalingChoice};
 use crate::cli::select_list;
+use crate::cli::ui::Ui;
 
 const POSES: usize = 20;
 /// Numbers of poses that a table shows.

@@ -11,7 +11,8 @@ use crate::units::{Dimension, Unit};
 use anyhow::{Result, anyhow};
 
 use crate::cli::case::CaseArgs;
-use crate::cli::common::{Ui, verdict};
+use crate::cli::common::verdict;
+use crate::cli::ui::Ui;
 use crate::files::{JointsAndPose, joints_and_poses};
 
 /// Arguments of `settle`.

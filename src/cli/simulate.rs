@@ -19,8 +19,8 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use serde_json::json;
 
-use crate::cli::common::Ui;
 use crate::cli::effect_args::effect_entry;
+use crate::cli::ui::Ui;
 use crate::files::{JointsAndPose, labelled_joints};
 
 /// Arguments of `simulate`.

@@ -4,12 +4,6 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-/// A name on one line, whose control characters are spelled out (`\n`, `\u{1b}`).
-pub(crate) fn spelled_out(name: &str) -> String {
-    let spelled = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
-    name.chars().map(spelled).collect()
-}
-
 /// True if a text is XML.
 pub(crate) fn is_xml(text: &str) -> bool {
     text.trim_start().starts_with('<')

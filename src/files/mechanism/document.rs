@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::format::spelled_out;
 use crate::files::mechanism::sections::{
     ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
     OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,
@@ -84,13 +83,6 @@ pub struct MechanismDocument {
     /// Effects of an extended model.
     #[serde(default, rename = "effect")]
     pub effects: Vec<EffectEntry>,
-}
-
-impl MechanismDocument {
-    /// The name as it is shown: on one line.
-    pub(crate) fn title(&self) -> String {
-        spelled_out(&self.name)
-    }
 }
 
 fn unnamed() -> String {

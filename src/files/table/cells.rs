@@ -45,8 +45,8 @@ impl Cells {
         let mut cells = Self { header, rows, warnings: Vec::new() };
         cells.same_length(path, separator)?;
         cells.without_empty_columns();
-        cells.without_index();
         cells.with_row_of_units().map_err(wrong)?;
+        cells.without_index();
         cells.count_missing();
         Ok(cells)
     }
@@ -127,7 +127,8 @@ impl Cells {
                 None => *name = format!("{name}_{unit}"),
             }
         }
-        self.warnings.push(format!("line {line} states units; the columns are read as {}", self.header.join(", ")));
+        let names: Vec<&str> = self.header.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        self.warnings.push(format!("line {line} states units; the columns are read as {}", names.join(", ")));
         self.rows.remove(0);
         Ok(())
     }

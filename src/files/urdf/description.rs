@@ -9,7 +9,6 @@ use super::closures::{Closure, inline};
 use super::findings::Findings;
 use super::xml::Element;
 use crate::files::finding::FindingKind as K;
-use crate::files::format::spelled_out;
 
 /// Most links, and most joints.
 const MAX_PARTS: usize = 5_000;
@@ -206,9 +205,11 @@ fn knows_quaternions(version: &str) -> bool {
     numbers.is_some_and(|v: (u32, u32)| v >= (1, 1))
 }
 
-/// Text as it stands in an attribute; control characters, which XML does not have, are spelled out.
+/// Text as it stands in an attribute; control characters that XML does not have are spelled out (`\u{1b}`).
 pub(in crate::files) fn escaped(text: &str) -> String {
-    quick_xml::escape::escape(spelled_out(text)).into_owned()
+    let is_none = |c: char| c.is_control() && !['\t', '\n', '\r'].contains(&c);
+    let spelled = |c: char| if is_none(c) { c.escape_default().to_string() } else { c.to_string() };
+    quick_xml::escape::escape(text.chars().map(spelled).collect::<String>()).into_owned()
 }
 
 /// The first macro of xacro in the tree, with its line.

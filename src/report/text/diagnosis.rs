@@ -1,7 +1,7 @@
 //! The diagnosis in words.
 
 use super::settlement::limit_table;
-use super::{errors_row, table};
+use super::{errors_row, heading, table};
 use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
 use crate::measurement::DataRow;
@@ -9,6 +9,7 @@ use crate::units::{shortened, show_angle, show_length, show_probability, show_qu
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
 pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
+    let title = heading(title);
     let mut text = format!("{title}: {} samples\n\n{}\n", d.samples, verdict(d));
     if d.verdict == Verdict::Misread {
         return text;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{SHOWN, table};
+use super::{SHOWN, heading, table};
 use crate::identification::WeakDirection;
 use crate::mechanism::{Mechanism, Survey};
 use crate::pose::PoseConvention;
@@ -78,7 +78,7 @@ pub fn inspection(i: &Inspection<'_>) -> String {
         cells
     };
     let rows: Vec<Vec<String>> = i.mechanism.joints().iter().enumerate().map(row).collect();
-    let mut text = format!("{}: {} parameters\n\nmm\n", i.mechanism.name(), i.mechanism.parameters().len());
+    let mut text = format!("{}: {} parameters\n\nmm\n", heading(i.mechanism.name()), i.mechanism.parameters().len());
     if !together {
         let row = |k: usize| vec![(k + 1).to_string(), point(&i.platform, k), point(&i.base, k)];
         text += &table(&["leg", "platform point", "base point"], &(0..legs).map(row).collect::<Vec<_>>());

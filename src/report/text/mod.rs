@@ -126,13 +126,18 @@ fn leg_table(grid: &[Estimate], per_leg: usize) -> String {
     format!("Deviation from the mechanism file; 1 sigma below it (~){unit}\n{}", table(&header, &rows))
 }
 
+/// A name in the first line of a text: it has one line, whatever the file says.
+pub(crate) fn heading(name: &str) -> String {
+    name.replace(['\n', '\r'], " ")
+}
+
 /// Text output of `calibrate`; the last line is the result in one sentence.
 pub fn calibration(c: &Calibration) -> String {
     let found = &c.identification;
     let n = found.mechanism_parameters;
     let samples = found.poses.len();
     let prior = if found.prior { "tolerances as prior" } else { "no prior" };
-    let title = c.mechanism.name();
+    let title = heading(c.mechanism.name());
     let mut text = format!("{title}\n{samples} samples ({}), {}, {prior}\n\n", c.measurement, c.identifier);
     text += &parameter_table(&found.parameters[..n]);
     if found.parameters.len() > n {
@@ -238,6 +243,7 @@ pub(in crate::report) fn result_line(c: &Calibration) -> String {
 
 /// Text output of `evaluate`.
 pub fn evaluation(e: &ModelErrors, title: &str) -> String {
+    let title = heading(title);
     let rows = [errors_row("RMS", &e.rms()), errors_row("mean", &e.mean()), errors_row("largest", &e.max())];
     let worst = e.samples.iter().max_by(|a, b| a.position.unwrap_or(0.0).total_cmp(&b.position.unwrap_or(0.0)));
     let mut text = format!(

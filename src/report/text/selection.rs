@@ -1,7 +1,7 @@
 //! Text output of `select`.
 
 use super::settlement::{CampaignLimits, campaign_limits};
-use super::table;
+use super::{heading, table};
 use crate::observability::Scaling;
 use crate::selection::{ChosenSet, Requirement};
 use crate::units::{show_angle, show_length};
@@ -38,7 +38,7 @@ pub fn selection(s: &Selection<'_>) -> String {
     let given = if s.given > 0 { format!(", {} given and {new} new", s.given) } else { String::new() };
     let mut text = format!(
         "{}\n{} poses{given} from {} candidates, {}, {} iterations\n\n",
-        s.title,
+        heading(s.title),
         r.poses.len(),
         r.candidates,
         s.selector,

@@ -1,12 +1,13 @@
 //! Text output for measurements that settle a tie, and for the detection limits of a campaign.
 
-use super::table;
+use super::{heading, table};
 use crate::diagnosis::{Diagnosis, MeasurementPlan, NotFound, NotTestable, TOLD_APART};
 use crate::measurement::Noise;
 use crate::units::{show_angle, show_length, show_quantity, three_digits};
 
 /// The plans, best first.
 pub fn settlement(found: &Diagnosis, plans: &[MeasurementPlan], title: &str) -> String {
+    let title = heading(title);
     if plans.is_empty() {
         let word = found.verdict.word();
         return format!("{title}: the verdict is {word}; there is no tie to settle\n");

@@ -8,6 +8,7 @@ mod kinds;
 mod readers_never_panic;
 #[cfg(feature = "cli")]
 mod readings;
+mod tables;
 mod units_by_dimension;
 mod urdf;
 #[cfg(feature = "cli")]

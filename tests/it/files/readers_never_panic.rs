@@ -542,7 +542,7 @@ fn go_on(which: usize, machine: &Machine, data: &Measurement, poses: &Path) -> u
                 let written =
                     machine.document_of(found.mechanism.as_ref(), found.workspace.as_ref(), &found.registration.frames);
                 let written = written.map_or(0, |d| d.to_text().len());
-                written + page(&pages.html()) + json::calibration(&found).to_string().len()
+                written + page(&pages.html()) + json::calibration(&found, &[]).to_string().len()
             })
         }
         5 => {

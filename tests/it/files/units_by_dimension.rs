@@ -47,7 +47,7 @@ fn the_table_of_the_legs_has_the_unit_of_each_column() {
     let table = shown.lines().skip_while(|l| !l.starts_with("leg ")).take(7);
     assert!(table.into_iter().all(|l| l.chars().count() <= 80), "{shown}");
     // The offsets are no lengths.
-    let object = json::calibration(&result);
+    let object = json::calibration(&result, &[]);
     assert!(object["frames"]["leg_offsets_m"].is_null());
     assert!((object["frames"]["joint_offsets"][0].as_f64().unwrap() - offset).abs() < 1e-15);
     assert_eq!(object["parameters"][2]["unit"], "rad");

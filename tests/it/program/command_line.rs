@@ -160,11 +160,11 @@ fn gross_errors_are_found_by_the_robust_identifier() {
     bench.done(simulate);
     let text = bench.text("d.csv");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    // Rows 4, 17 and 40 get 30 um in x; two lines of comment and header stand above.
+    // Rows 4, 17 and 40 get 30 um in x; the header stands above.
     for row in [4, 17, 40] {
-        let mut cells: Vec<String> = lines[row + 2].split(',').map(str::to_owned).collect();
+        let mut cells: Vec<String> = lines[row + 1].split(',').map(str::to_owned).collect();
         cells[6] = (cells[6].parse::<f64>().unwrap() + 0.03).to_string();
-        lines[row + 2] = cells.join(",");
+        lines[row + 1] = cells.join(",");
     }
     bench.write("bad.csv", lines.join("\n"));
     let plain = bench.run("calibrate mechanisms/table5.toml bad.csv -o c.toml");

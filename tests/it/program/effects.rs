@@ -82,9 +82,9 @@ fn a_simulated_truth_explains_its_own_data() {
     assert_eq!(shown["effects"].as_array().unwrap().len(), 10);
     // The conditions are in the data as they stood in the list; remarks are not.
     let (data, poses) = (bench.text("d.csv"), bench.text("p.csv"));
-    let header: Vec<&str> = data.lines().nth(1).unwrap().split(',').collect();
+    let header: Vec<&str> = data.lines().next().unwrap().split(',').collect();
     assert_eq!(header[12..], ["temp_legs_degC", "elevation_deg", "payload_kg", "time_utc"]);
-    for (there, here) in data.lines().skip(2).zip(poses.lines().skip(1)) {
+    for (there, here) in data.lines().skip(1).zip(poses.lines().skip(1)) {
         let last = |line: &str| line.rsplitn(5, ',').take(4).map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(last(there), last(here));
     }

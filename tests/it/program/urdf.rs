@@ -31,7 +31,7 @@ fn a_urdf_goes_through_every_command_with_columns_by_joint_name() {
     let mut lines: Vec<String> = data.lines().map(str::to_owned).collect();
     let header = lines.iter().position(|l| l.contains("leg1_mm")).unwrap();
     let first = lines[header].split(',').position(|c| c == "leg1_mm").unwrap();
-    for (n, line) in lines.iter_mut().enumerate().skip(header) {
+    for (n, line) in lines.iter_mut().enumerate().skip(header).filter(|(_, l)| !l.starts_with('#')) {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         for k in 0..6 {
             cells[first + k] = if n == header {

@@ -49,7 +49,7 @@ pub(super) fn read<C: Closure>(
     let home = convention.pose(&home);
     let draw = |legs, cables, home| {
         kind.check_keys(r, legs)?;
-        let drawing = Drawing { r, name: &document.title(), legs, cables, home, tolerances: tolerances(r, document)? };
+        let drawing = Drawing { r, name: &document.name, legs, cables, home, tolerances: tolerances(r, document)? };
         identified(r, document, &make(&drawing)?)
     };
     let drawn = draw(&document.legs, &document.cables, home)?;

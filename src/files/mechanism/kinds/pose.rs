@@ -38,7 +38,7 @@ fn read(source: &Source<'_>, _warned: &mut Vec<String>) -> Result<Made, FileErro
         }
     };
     let home = convention.pose(&home.unwrap_or_default());
-    let made = PosePositioner::new(&document.title(), *convention, home, offsets, tolerance);
+    let made = PosePositioner::new(&document.name, *convention, home, offsets, tolerance);
     Ok((Box::new(made.map_err(|cause| r.geometry(cause))?), None))
 }
 

@@ -36,7 +36,7 @@ fn read(source: &Source<'_>, warned: &mut Vec<String>) -> Result<Made, FileError
     }
     let tolerance = document.tolerance.as_ref().map(|t| r.tolerance(t)).transpose()?;
     let mechanism =
-        SixHardpoint::new(&document.title(), &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
+        SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
     warned.extend(warnings(&mechanism, &legs));
     let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
         0 => None,
@@ -44,7 +44,7 @@ fn read(source: &Source<'_>, warned: &mut Vec<String>) -> Result<Made, FileError
             let home = document.nominal_home.as_ref();
             let home = home.map(|h| r.six("[nominal_home]", &h.position, &h.rotation)).transpose()?;
             let home = home.map(|q| convention.pose(&q));
-            Some(Box::new(SixHardpoint::new(&document.title(), &nominal_legs, home, None).map_err(geometry)?))
+            Some(Box::new(SixHardpoint::new(&document.name, &nominal_legs, home, None).map_err(geometry)?))
         }
     };
     Ok((Box::new(mechanism), nominal))

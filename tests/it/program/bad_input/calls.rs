@@ -48,7 +48,6 @@ fn calibrations() {
             format!("{CALIBRATE} --threads 100000"),
             ["'100000'", "--threads", "1..=256"],
         ),
-        row("JSON says nothing", [file("d.csv", few(0))], format!("{CALIBRATE} --json"), ["no data row"]),
         row(
             "held-out part in per cent",
             [],

@@ -45,9 +45,16 @@ fn texts() {
             ["d.csv", "'leg1 (mm)'", "write it as 'leg1_mm'"],
         ),
     ];
-    for (separator, name) in [(";", "semicolons"), ("\t", "tabs")] {
-        rows.push(data(name, NOISY.replace(',', separator), ["d.csv", name, "save the table with commas"]));
+    for (separator, name) in [(";", "semicolons and decimal commas"), ("\t", "tabs and decimal commas")] {
+        let text = NOISY.replace(',', separator).replace('.', ",");
+        rows.push(data(name, text, ["d.csv: data row 0", "decimal comma", "decimal points"]));
     }
+    let commas = NOISY.replace('.', ",");
+    rows.push(data(
+        "decimal commas among commas",
+        commas,
+        ["d.csv: data row 0 (line 2)", "24 cells", "decimal commas?"],
+    ));
     all_are_refused(&rows);
 }
 
@@ -164,9 +171,14 @@ fn rows_and_cells() {
             ["d.csv: data row 1 (line 3), column 'leg1_mm'", "'abc'", "not a number", "delete the row"],
         ),
         data(
-            "NaN in a cell",
-            cell(2, 11, "NaN"),
-            ["d.csv: data row 1 (line 3), column 'rz_deg'", "'NaN'", "finite", "leave the cell empty"],
+            "NaN for a length",
+            cell(2, 0, "NaN"),
+            ["d.csv: data row 1 (line 3), column 'leg1_mm'", "'NaN'", "must not be empty"],
+        ),
+        data(
+            "infinity in a cell",
+            cell(2, 11, "inf"),
+            ["d.csv: data row 1 (line 3), column 'rz_deg'", "'inf'", "finite", "leave the cell empty"],
         ),
         data(
             "number too large for a cell",

@@ -14,7 +14,8 @@ fn texts_units_and_keys() {
         row("missing", [], "calibrate no.toml d.csv -o o.toml", ["no.toml: cannot be read", "check its name"]),
         mechanism("empty", "", ["m.toml: the file is empty; check"]),
         mechanism("not UTF-8", b"name = \"\xb5m\"\n", ["m.toml: line 1: is not UTF-8"]),
-        mechanism("not TOML", NOISY, ["m.toml: ", "line 1, column 8", "expected `=`"]),
+        mechanism("a table", NOISY, ["m.toml: is a table", "mechanism file first"]),
+        mechanism("not TOML", "name is m\n", ["m.toml: ", "line 1, column 6", "expected `=`"]),
         changed(
             "unknown unit of length",
             "length_unit = \"mm\"",

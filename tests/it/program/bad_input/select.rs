@@ -101,3 +101,13 @@ fn lists() {
         ),
     ]);
 }
+
+#[test]
+fn resolutions() {
+    all_are_refused(&[
+        with("resolution without unit", "--resolution 3", &["--resolution 3", "1um"]),
+        with("resolution of zero", "--resolution 0um", &["--resolution 0um", "positive"]),
+        with("resolution of angles for lengths", "--resolution 1arcsec -n 8", &["--resolution 1arcsec", "lengths"]),
+        with("unknown order", "--order sorted", &["sorted", "random", "given"]),
+    ]);
+}
