@@ -9,19 +9,21 @@ use crate::identification::error::IdentifyError;
 use crate::identification::estimators::fit::Fit;
 use crate::identification::estimators::identification::Identification;
 use crate::identification::estimators::identifiers::Identifier;
+use crate::identification::judgement::drawing::{DrawingTest, widened};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
 use crate::identification::judgement::prediction::predicted_errors;
-use crate::identification::judgement::verdict::judge;
+use crate::identification::judgement::verdict::{judge, judge_drawing, judge_prediction};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
+use crate::identification::problem::belief::{Belief, Conventions, without_conventions};
 use crate::identification::problem::calibration_problem::CalibrationProblem;
-use crate::identification::problem::prior::{FrameConvention, Prior, frames_differ};
+use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::start::poses_from_home;
 use crate::identification::registration::{Registration, register, register_poses};
 use crate::identification::task::Task;
-use crate::measurement::{Dataset, Frames};
+use crate::measurement::{Dataset, Frames, TargetFrame};
 use crate::mechanism::{Mechanism, Workspace};
 use crate::observability::PredictedError;
 use crate::pose::{Pose, PoseConvention};
@@ -63,7 +65,10 @@ pub fn calibrate(
     } else {
         weak_directions(mechanism, &rows.spectrum().for_noise(found.noise_scale))
     };
+    let drawing = DrawingTest::of(&problem, &fit)?;
+    let tolerance_factors = problem.belief().factors;
     let mut verdict = judge(mechanism, data, &found, converged);
+    judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
     let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(
         |cause| {
@@ -73,6 +78,11 @@ pub fn calibrate(
         |errors| errors.rms(),
     );
     let nominal: Vec<Pose> = nominal.into_iter().collect::<Result<_, _>>()?;
+    let predicted = predict(mechanism, &found, workspace, &frames, options)?;
+    let of_drawing = drawing_error(mechanism, &found, tolerance_factors, workspace, options);
+    if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
+        judge_prediction(&mut verdict, predicted, of_drawing);
+    }
     let result = Calibration {
         measurement: data.model().describe(),
         nuisance_heading: data.model().nuisance_heading(),
@@ -80,7 +90,10 @@ pub fn calibrate(
         before: errors_at(&nominal, &[], data).rms(),
         after,
         held_out,
-        predicted: predict(mechanism, &found, workspace, &frames, options)?,
+        predicted,
+        of_drawing,
+        drawing,
+        tolerance_factors,
         weak,
         plausibility,
         workspace: workspace.map(|w| carried_workspace(w, &frames)),
@@ -121,24 +134,24 @@ fn identified<'a>(
     options: &CalibrationOptions,
     identifier: &dyn Identifier,
 ) -> Result<Solved<'a>, IdentifyError> {
-    let solve = |registration: Registration, convention: FrameConvention| -> Result<Solved<'a>, IdentifyError> {
+    let solve = |registration: Registration, conventions: Conventions| -> Result<Solved<'a>, IdentifyError> {
         let aligned = data.with_frames(registration.frames);
         let task =
-            Task { prior: options.prior, weights: options.weights, convention, ..Task::new(mechanism, &aligned) };
+            Task { prior: options.prior, weights: options.weights, conventions, ..Task::new(mechanism, &aligned) };
         let mut problem = CalibrationProblem::from_poses(mechanism, &task, nominal.to_vec())?;
         let (fit, converged) = estimated(identifier, &mut problem)?;
         Ok(Solved { registration, problem, fit, converged })
     };
+    let frames = Conventions { tracker: true, target: !places_are_identified(data), zeros: false };
     let mut tried = register_poses(mechanism, data, nominal)?;
     // A mechanism that carries its points takes the frames up in them.
     if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
-        let stated = tried.frames.is_identity();
-        let found = solve(tried, if stated { FrameConvention::Stated } else { FrameConvention::Free })?;
-        return if stated { with_frames_as_found(found, identifier) } else { Ok(found) };
+        let conventions = if tried.frames.is_identity() { Conventions::STATED } else { frames };
+        return as_found(solve(tried, conventions)?, identifier);
     }
     let (mut best, mut least) = (None, f64::INFINITY);
     for _ in 0..FRAME_ROUNDS {
-        let found = solve(tried, FrameConvention::Free)?;
+        let found = solve(tried, frames)?;
         let misfit = GoodnessOfFit::of(&found.problem, &found.fit)?;
         if best.is_some() && !(misfit.chi_square < least) {
             break;
@@ -156,19 +169,69 @@ fn identified<'a>(
         }
     }
     // The first round always leaves one.
-    best.ok_or(IdentifyError::Empty)
+    as_found(best.ok_or(IdentifyError::Empty)?, identifier)
 }
 
-/// The tracker or the target may be a little off: too little to be registered, too much for the tolerances.
-fn with_frames_as_found<'a>(mut found: Solved<'a>, identifier: &dyn Identifier) -> Result<Solved<'a>, IdentifyError> {
-    let mechanism = found.problem.mechanism();
-    let values = &found.fit.values.as_slice()[..found.problem.mechanism_parameters()];
-    if found.problem.prior().is_some_and(Prior::informs) && frames_differ(mechanism, values) {
-        found.problem = found.problem.with_convention(FrameConvention::Free);
+/// Where the targets sit on the platform is identified, so that moving them and the platform's points together moves nothing
+/// that is measured; the drawing says where the platform is.
+fn places_are_identified(data: &Dataset) -> bool {
+    data.model().target_frame() == TargetFrame::Identified
+}
+
+/// Rounds of freeing conventions and widening tolerances.
+const BELIEFS: usize = 6;
+
+/// A fit whose prior the data do not contradict: conventions that are not those of the drawing are freed, and then the
+/// tolerances are widened by as much as the data ask for.
+fn as_found<'a>(mut found: Solved<'a>, identifier: &dyn Identifier) -> Result<Solved<'a>, IdentifyError> {
+    for _ in 0..BELIEFS {
+        if !found.problem.prior().is_some_and(Prior::informs) || !found.converged {
+            break;
+        }
+        let Some(belief) = contradicted(&found)? else { break };
+        found.problem.believe(belief);
         found.problem.begin_at(found.fit.values);
         (found.fit, found.converged) = estimated(identifier, &mut found.problem)?;
     }
     Ok(found)
+}
+
+/// How the tolerances are to be taken instead, if the data contradict them as they were.
+fn contradicted(found: &Solved<'_>) -> Result<Option<Belief>, IdentifyError> {
+    let (problem, mechanism) = (&found.problem, found.problem.mechanism());
+    let belief = problem.belief();
+    let values = &found.fit.values.as_slice()[..problem.mechanism_parameters()];
+    let mut seen = Conventions::contradicted(mechanism, values);
+    seen.target &= !places_are_identified(problem.data());
+    let conventions = belief.conventions.or(seen);
+    if conventions != belief.conventions || seen != Conventions::STATED && belief.centre.is_none() {
+        return Ok(Some(Belief { conventions, centre: Some(values.to_vec()), ..belief.clone() }));
+    }
+    let doubted = DrawingTest::of(problem, &found.fit)?.and_then(|test| test.p_value()).is_some_and(|p| p < FITS);
+    if problem.policy() != PriorPolicy::Auto || !doubted {
+        return Ok(None);
+    }
+    let factors = widened(problem, &found.fit)?;
+    let wider = factors.iter().zip(belief.factors).any(|(next, now)| next / now > WIDER);
+    Ok(wider.then(|| Belief { factors, ..belief.clone() }))
+}
+
+/// A factor that grows by less is not worth another fit.
+const WIDER: f64 = 1.02;
+
+/// The poses at which errors are predicted, and how they are stated.
+fn poses_to_predict(
+    found: &Identification,
+    workspace: Option<&Workspace>,
+    options: &CalibrationOptions,
+) -> (Vec<Pose>, PoseConvention) {
+    match workspace {
+        Some(w) => {
+            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+            ((0..PREDICTED_POSES).map(|_| w.random(&mut rng)).collect(), w.convention)
+        }
+        None => (found.poses.clone(), options.convention),
+    }
 }
 
 fn predict(
@@ -182,14 +245,22 @@ fn predict(
         return Ok(None);
     }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
-    let (poses, convention) = match workspace {
-        Some(w) => {
-            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-            ((0..PREDICTED_POSES).map(|_| w.random(&mut rng)).collect(), w.convention)
-        }
-        None => (found.poses.clone(), options.convention),
-    };
+    let (poses, convention) = poses_to_predict(found, workspace, options);
     let pivot = frames.target.place(&convention.pivot);
     let convention = PoseConvention { pivot, ..convention };
     Ok(predicted_errors(aligned.as_ref(), &found.mechanism_covariance(), &poses, &convention))
+}
+
+/// The error of the drawing at the same poses, if its parameters are as uncertain as their tolerances and all conventions are
+/// known: what is to be learned beyond placing the machine. `None` if not all parameters have a tolerance.
+fn drawing_error(
+    mechanism: &dyn Mechanism,
+    found: &Identification,
+    factors: [f64; 4],
+    workspace: Option<&Workspace>,
+    options: &CalibrationOptions,
+) -> Option<PredictedError> {
+    let covariance = without_conventions(mechanism, factors)?;
+    let (poses, convention) = poses_to_predict(found, workspace, options);
+    predicted_errors(mechanism, &covariance, &poses, &convention)
 }

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::identification::estimators::identification::{Estimate, Identification};
+use crate::identification::judgement::drawing::DrawingTest;
 use crate::identification::judgement::held_out::{HeldOut, Holdout};
 use crate::identification::judgement::model_errors::ErrorSummary;
 use crate::identification::judgement::plausibility::Plausibility;
@@ -75,6 +76,12 @@ pub struct Calibration {
     pub held_out: Option<HeldOut>,
     /// Predicted error over the workspace, or over the measured poses without one.
     pub predicted: Option<PredictedError>,
+    /// The same of the drawing with its tolerances, conventions apart.
+    pub of_drawing: Option<PredictedError>,
+    /// Whether the machine is as near its drawing as the tolerances say, if they were the prior.
+    pub drawing: Option<DrawingTest>,
+    /// How much wider than stated the tolerances were taken, by group ([`GROUPS`](crate::identification::GROUPS)).
+    pub tolerance_factors: [f64; 4],
     /// Directions that the data do not decide.
     pub weak: Vec<WeakDirection>,
     /// Rigid motions, leg offsets, and what is left against the tolerances.

@@ -1,6 +1,7 @@
 //! What is to be identified, and how.
 
-use crate::identification::problem::prior::{FrameConvention, PriorPolicy};
+use crate::identification::problem::belief::Conventions;
+use crate::identification::problem::prior::PriorPolicy;
 use crate::measurement::Dataset;
 use crate::mechanism::Mechanism;
 
@@ -25,13 +26,13 @@ pub struct Task<'a> {
     pub prior: PriorPolicy,
     /// How to weight the rows.
     pub weights: Weights,
-    /// Whether the data are in the frames of the mechanism file, for a prior.
-    pub convention: FrameConvention,
+    /// Conventions that are not those of the drawing, for a prior.
+    pub conventions: Conventions,
 }
 
 impl<'a> Task<'a> {
     /// Identification of `mechanism` from `data`, weighted by the noise, with a prior where it is needed.
     pub fn new(mechanism: &'a dyn Mechanism, data: &'a Dataset) -> Self {
-        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, convention: FrameConvention::Stated }
+        Self { mechanism, data, prior: PriorPolicy::Auto, weights: Weights::Noise, conventions: Conventions::STATED }
     }
 }

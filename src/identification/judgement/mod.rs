@@ -2,6 +2,7 @@
 //! were not fitted, and predicted errors over the workspace.
 
 pub(crate) mod deviations;
+pub(crate) mod drawing;
 pub(crate) mod fit_test;
 pub(crate) mod goodness_of_fit;
 pub(crate) mod held_out;

@@ -1,9 +1,12 @@
 //! May the result be used? What speaks against it, and what the user should know.
 
 use crate::identification::estimators::identification::Identification;
+use crate::identification::judgement::drawing::{DrawingTest, widened_in_words};
+use crate::identification::problem::prior::PriorPolicy;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
-use crate::units::{shortened, show_probability};
+use crate::observability::PredictedError;
+use crate::units::{shortened, show_angle, show_length, show_probability};
 
 /// May the result be used?
 #[derive(Clone, Debug, PartialEq)]
@@ -77,4 +80,48 @@ pub(crate) fn judge(
         warnings.push(format!("gross errors in data row {}; they were given little or no weight", shortened(&rows)));
     }
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
+}
+
+/// The predicted error must be smaller than this part of that of the drawing, or nothing was learned.
+const LEARNED: f64 = 0.5;
+
+/// What the agreement with the drawing says.
+pub(crate) fn judge_drawing(
+    verdict: &mut CalibrationVerdict,
+    drawing: Option<&DrawingTest>,
+    factors: [f64; 4],
+    policy: PriorPolicy,
+) {
+    let widened = widened_in_words(&factors);
+    if !widened.is_empty() {
+        let advice = "the tolerances were taken as that much wider; correct [tolerance] or the drawing";
+        verdict.warnings.push(format!("{}; {advice}", widened.join(", ")));
+    }
+    if let Some(p) = drawing.and_then(DrawingTest::p_value).filter(|p| *p < MISFIT) {
+        let remedy = match policy {
+            PriorPolicy::Tolerance => "--prior auto lets the data say how much wider they are",
+            _ => {
+                "wider tolerances do not explain it: check the drawing (signs, units, order of the legs) and the columns"
+            }
+        };
+        verdict.distrust(format!(
+            "the machine is farther from its drawing than [tolerance] allows (p {}); {remedy}",
+            show_probability(p)
+        ));
+    }
+}
+
+/// What the predicted error says, against that of the drawing.
+pub(crate) fn judge_prediction(verdict: &mut CalibrationVerdict, predicted: &PredictedError, drawing: &PredictedError) {
+    let left = |now: f64, before: f64| before > 0.0 && now > LEARNED * before;
+    if left(predicted.position_rms, drawing.position_rms) || left(predicted.rotation_rms, drawing.rotation_rms) {
+        verdict.distrust(format!(
+            "the data tell little that the drawing does not: the predicted error is {} and {}, that of the drawing with \
+             its tolerances {} and {}; measure more and other poses",
+            show_length(predicted.position_rms),
+            show_angle(predicted.rotation_rms),
+            show_length(drawing.position_rms),
+            show_angle(drawing.rotation_rms),
+        ));
+    }
 }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::error::IdentifyError;
+use crate::identification::problem::belief::Belief;
 use crate::identification::problem::prepared::{Preparation, Prepared};
-use crate::identification::problem::prior::{FrameConvention, Prior, PriorPolicy};
+use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::redundancy::Redundancy;
 use crate::identification::problem::spectrum::ScaledRows;
 use crate::identification::problem::start::{or_from_readings, own_start, poses_from_home};
@@ -24,7 +25,7 @@ pub struct CalibrationProblem<'a> {
     pub(super) data: Dataset,
     pub(super) policy: PriorPolicy,
     pub(super) weights: Weights,
-    pub(super) convention: FrameConvention,
+    pub(super) belief: Belief,
     pub(super) samples: Arc<[Prepared]>,
     /// Which of the prepared samples take part.
     pub(super) kept: Vec<usize>,
@@ -82,7 +83,7 @@ impl<'a> CalibrationProblem<'a> {
             data: data.clone(),
             policy: task.prior,
             weights,
-            convention: task.convention,
+            belief: Belief::stated(task.conventions),
             kept: (0..samples.len()).collect(),
             prior: None,
             noise_scale: 1.0,
@@ -108,7 +109,7 @@ impl<'a> CalibrationProblem<'a> {
             data: self.data.subset(positions),
             policy: self.policy,
             weights: self.weights,
-            convention: self.convention,
+            belief: self.belief.clone(),
             samples: Arc::clone(&self.samples),
             prior: None,
             noise_scale: 1.0,
@@ -125,11 +126,14 @@ impl<'a> CalibrationProblem<'a> {
         }
     }
 
-    /// With another convention about the frames.
-    #[must_use]
-    pub(crate) fn with_convention(mut self, convention: FrameConvention) -> Self {
-        self.convention = convention;
-        self
+    /// How the tolerances are taken, if they are the prior.
+    pub(crate) fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Takes the tolerances in another way from now on.
+    pub(crate) fn believe(&mut self, belief: Belief) {
+        self.belief = belief;
     }
 
     /// With a prior, or without.
@@ -172,6 +176,11 @@ impl<'a> CalibrationProblem<'a> {
     /// The samples.
     pub fn data(&self) -> &Dataset {
         &self.data
+    }
+
+    /// Where a prior comes from.
+    pub fn policy(&self) -> PriorPolicy {
+        self.policy
     }
 
     /// How rows are weighted.
@@ -271,9 +280,10 @@ impl<'a> CalibrationProblem<'a> {
         if self.weights == Weights::Noise {
             return Ok(self.whole());
         }
-        let (mechanism, data, prior, convention) = (self.mechanism, &self.data, self.policy, self.convention);
-        let task = Task { mechanism, data, prior, weights: Weights::Noise, convention };
+        let (mechanism, data, prior, conventions) = (self.mechanism, &self.data, self.policy, self.belief.conventions);
+        let task = Task { mechanism, data, prior, weights: Weights::Noise, conventions };
         let mut plain = Self::from_poses(mechanism, &task, self.prepared().map(|s| Ok(s.pose)).collect())?;
+        plain.belief.clone_from(&self.belief);
         plain.start.clone_from(&self.start);
         plain.poses.clone_from(&self.poses);
         plain.solved_at.clone_from(&self.solved_at);

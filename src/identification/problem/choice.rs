@@ -60,7 +60,7 @@ impl CalibrationProblem<'_> {
             return Err(IdentifyError::Empty);
         }
         let unweighted = self.weights == Weights::MillimetresAndRadians;
-        let tolerances = |p: &Self| Prior::from_tolerance(p.mechanism, p.convention);
+        let tolerances = |p: &Self| Prior::from_tolerance(p.mechanism, &p.belief);
         let policy = self.policy;
         let asked = match policy {
             PriorPolicy::Tolerance if unweighted => return Err(IdentifyError::PriorWithoutWeights),

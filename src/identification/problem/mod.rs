@@ -1,6 +1,7 @@
 //! The least-squares problem of a calibration: residuals from full forward kinematics, columns from `J_b`, rows whitened by
 //! the noise, tolerances as a prior.
 
+pub(crate) mod belief;
 pub(crate) mod calibration_problem;
 mod choice;
 pub(crate) mod prepared;

@@ -1,11 +1,10 @@
 //! Manufacturing tolerances as prior knowledge.
 
-use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
 use crate::identification::error::IdentifyError;
-use crate::mechanism::{Body, Mechanism, ParameterSpec, characteristic_length, rigid_directions};
+use crate::identification::problem::belief::{Belief, Group, group_of};
+use crate::mechanism::{Mechanism, ParameterSpec, characteristic_length};
 use crate::units::Dimension;
+use nalgebra::{DMatrix, DVector};
 
 /// Where prior knowledge comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,84 +33,54 @@ pub struct Prior {
 
 /// How firmly unseen directions are held, as a part of the scale.
 const HOLD: f64 = 1e-3;
-/// What the tolerances say about rigid motions of all platform points or all base points, that is about where the
-/// target sits and where the tracker stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FrameConvention {
-    /// The data are in the base frame and the platform frame: points that move together are held by their
-    /// tolerances like any others.
-    #[default]
-    Stated,
-    /// The frames are those of the measurement; rigid motions may be a hundred tolerances large.
-    Free,
-}
-
-/// Tolerances that a rigid motion may be large if the frames are free.
-const WIDE: f64 = 100.0;
-/// Rigid motions less likely than this under the tolerances show that the frames are not the stated ones.
-const NOT_STATED: f64 = 1e-4;
-
-/// Tolerances of the parameters that have one, and the rigid motions as orthonormal columns in these parameters over
-/// their tolerances.
-struct Rigid {
-    known: Vec<usize>,
-    scale: Vec<f64>,
-    q: Option<DMatrix<f64>>,
-}
-
-impl Rigid {
-    fn of(mechanism: &dyn Mechanism) -> Self {
-        let specs = mechanism.parameters();
-        let known: Vec<usize> = (0..specs.len()).filter(|k| specs[*k].tolerance.is_some()).collect();
-        // Parameters without a tolerance are as good as free.
-        let scale: Vec<f64> = specs.iter().map(|s| s.tolerance.unwrap_or(f64::INFINITY)).collect();
-        let columns: Vec<DVector<f64>> = [Body::Platform, Body::Base]
-            .into_iter()
-            .flat_map(|body| rigid_directions(mechanism, body, &scale))
-            .map(|d| DVector::from_iterator(known.len(), known.iter().map(|k| d[*k])))
-            .filter(|d| d.norm() > 0.0)
-            .collect();
-        let usable = !columns.is_empty() && columns.len() <= known.len();
-        let q = usable.then(|| DMatrix::from_columns(&columns).qr().q());
-        Self { known, scale, q }
-    }
-}
-
-/// True if the identified points moved together farther than their tolerances allow: the data are not in the frames
-/// of the mechanism file, though perhaps near them.
-pub fn frames_differ(mechanism: &dyn Mechanism, values: &[f64]) -> bool {
-    let rigid = Rigid::of(mechanism);
-    let Some(q) = &rigid.q else { return false };
-    let start = mechanism.values();
-    let shift = rigid.known.iter().map(|k| (values[*k] - start[*k]) / rigid.scale[*k]);
-    let along = q.transpose() * DVector::from_iterator(rigid.known.len(), shift);
-    ChiSquared::new(q.ncols() as f64).is_ok_and(|chi| chi.sf(along.norm_squared()) < NOT_STATED)
-}
-
 impl Prior {
-    /// Each parameter lies about its start with its tolerance as 1σ: the rows are `D⁻¹` with `D` the tolerances, or
-    /// `(I - (1 - 1/100) Q Qᵀ) D⁻¹` with `Q` the rigid motions if the frames are free.
+    /// How many widths a convention may be away if it is free.
+    pub(crate) const FREE: f64 = 100.0;
+
+    /// The most probable values of the parameters before anything is measured.
+    pub(crate) fn centre(&self) -> &[f64] {
+        &self.centre
+    }
+
+    /// Each parameter lies about its start with its tolerance, times the factor of its group, as 1σ: the rows are `D⁻¹` with
+    /// `D` these widths, or `(I - (1 - 1/100) Q Qᵀ) D⁻¹` with `Q` the conventions that are free.
     ///
     /// # Errors
     /// [`IdentifyError::NoTolerance`] if no parameter has one.
-    pub fn from_tolerance(mechanism: &dyn Mechanism, convention: FrameConvention) -> Result<Self, IdentifyError> {
-        let Rigid { known, scale, q } = Rigid::of(mechanism);
-        if known.is_empty() {
+    pub fn from_tolerance(mechanism: &dyn Mechanism, belief: &Belief) -> Result<Self, IdentifyError> {
+        let factors = &belief.factors;
+        let specs = mechanism.parameters();
+        let width = |s: &ParameterSpec| s.tolerance.map_or(f64::INFINITY, |t| t * factors[group_of(s.role)]);
+        let widths: Vec<f64> = specs.iter().map(width).collect();
+        let rows = rows(mechanism, &widths, belief.conventions.free());
+        if rows.nrows() == 0 {
             return Err(IdentifyError::NoTolerance);
         }
-        let mut precision = DMatrix::identity(known.len(), known.len());
-        if let (FrameConvention::Free, Some(q)) = (convention, q) {
-            precision -= &q * q.transpose() * (1.0 - 1.0 / WIDE);
-        }
-        let mut rows = DMatrix::zeros(known.len(), scale.len());
-        for (column, k) in known.iter().enumerate() {
-            rows.set_column(*k, &(precision.column(column) / scale[*k]));
-        }
-        Ok(Self { centre: mechanism.values().to_vec(), rows, held: None })
+        let start = mechanism.values();
+        let centre = belief.centre.as_deref().map_or_else(
+            || start.to_vec(),
+            |found| {
+                let mut centre = start.to_vec();
+                for (group, free) in Group::of(mechanism, &widths).iter().zip(belief.conventions.free()) {
+                    let Some((group, q)) =
+                        group.as_ref().filter(|_| free).and_then(|g| Some((g, g.convention.as_ref()?)))
+                    else {
+                        continue;
+                    };
+                    let shift = group.members.iter().zip(&group.widths).map(|(k, w)| (found[*k] - start[*k]) / w);
+                    let along = q * (q.transpose() * DVector::from_iterator(group.members.len(), shift));
+                    for ((k, w), moved) in group.members.iter().zip(&group.widths).zip(along.iter()) {
+                        centre[*k] += w * moved;
+                    }
+                }
+                centre
+            },
+        );
+        Ok(Self { centre, rows, held: None })
     }
 
-    /// A prior for a search through causes: each parameter lies within `factor` tolerances of its start, and rigid motions
-    /// are as good as free. Parameters without a tolerance get a width that only keeps them finite: a hundredth of
+    /// A prior for a search through causes: each parameter lies within `factor` tolerances of its start, and conventions are
+    /// as good as free. Parameters without a tolerance get a width that only keeps them finite: a hundredth of
     /// the size of the mechanism for lengths, a hundredth of a radian for angles, a tenth of their value otherwise.
     pub fn wide(mechanism: &dyn Mechanism, factor: f64) -> Self {
         let size = characteristic_length(mechanism);
@@ -127,19 +96,7 @@ impl Prior {
             )
         };
         let widths: Vec<f64> = specs.iter().zip(mechanism.values()).map(|(s, v)| width(s, *v)).collect();
-        let mut rows = DMatrix::identity(widths.len(), widths.len());
-        let columns: Vec<DVector<f64>> = [Body::Platform, Body::Base]
-            .into_iter()
-            .flat_map(|body| rigid_directions(mechanism, body, &widths))
-            .filter(|d| d.norm() > 0.0)
-            .collect();
-        if !columns.is_empty() && columns.len() <= widths.len() {
-            let q = DMatrix::from_columns(&columns).qr().q();
-            rows -= &q * q.transpose() * (1.0 - 1.0 / WIDE);
-        }
-        for (k, w) in widths.iter().enumerate() {
-            rows.column_mut(k).unscale_mut(*w);
-        }
+        let rows = rows(mechanism, &widths, [true, true, true, false]);
         Self { centre: mechanism.values().to_vec(), rows, held: None }
     }
 
@@ -200,4 +157,25 @@ impl Prior {
         jacobian.rows_mut(first, m).fill(0.0);
         jacobian.view_mut((first, 0), (m, n)).copy_from(&self.rows);
     }
+}
+
+/// A row for each parameter of finite width; of those along a free convention only a part is left.
+fn rows(mechanism: &dyn Mechanism, widths: &[f64], free: [bool; 4]) -> DMatrix<f64> {
+    let groups = Group::of(mechanism, widths);
+    let count = groups.iter().flatten().map(|g| g.members.len()).sum();
+    let mut rows = DMatrix::zeros(count, widths.len());
+    let mut first = 0;
+    for (group, free) in groups.iter().zip(free) {
+        let Some(group) = group else { continue };
+        let n = group.members.len();
+        let mut precision = DMatrix::identity(n, n);
+        if let Some(q) = group.convention.as_ref().filter(|_| free) {
+            precision -= q * q.transpose() * (1.0 - 1.0 / Prior::FREE);
+        }
+        for (column, (k, width)) in group.members.iter().zip(&group.widths).enumerate() {
+            rows.view_mut((first, *k), (n, 1)).copy_from(&(precision.column(column) / *width));
+        }
+        first += n;
+    }
+    rows
 }

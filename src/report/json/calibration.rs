@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{errors, motion, predicted, real, rows};
-use crate::identification::{Calibration, Deviation, Estimate};
+use crate::identification::{Calibration, Deviation, Estimate, GROUPS};
 use crate::mechanism::ParameterRole;
 use crate::units::Dimension;
 
@@ -68,6 +68,13 @@ pub fn calibration(c: &Calibration, residuals: &[Deviation]) -> Value {
             "degrees_of_freedom": found.misfit.degrees_of_freedom,
             "p": found.misfit.p_value().map(real),
         },
+        "predicted_of_drawing": c.of_drawing.as_ref().map(predicted),
+        "misfit_with_prior": c.drawing.as_ref().map(|d| json!({
+            "chi_square": real(d.with_prior.chi_square),
+            "degrees_of_freedom": d.with_prior.degrees_of_freedom,
+            "p": d.with_prior.p_value().map(real),
+        })),
+        "tolerance_factors": GROUPS.iter().zip(c.tolerance_factors).map(|(group, f)| (group.to_string(), real(f))).collect::<serde_json::Map<_, _>>(),
         "prior": found.prior,
         "noise_scale": real(found.noise_scale),
         "chi_square": real(found.misfit.chi_square),
