@@ -1,5 +1,6 @@
 //! `paracal new`.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
@@ -7,7 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde_json::json;
 
 use crate::cli::common::Ui;
-use crate::files::{ExampleFile, example_files};
+use crate::files::{ExampleFile, Outputs, example_files};
 
 /// Arguments of `new`.
 #[derive(clap::Args)]
@@ -20,6 +21,9 @@ pub(crate) struct Args {
     /// The kind of mechanism; without it the kinds are listed.
     #[arg(value_parser = kinds())]
     kind: Option<String>,
+    /// File to write instead of standard output; it must not exist yet.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
 }
 
 /// The kinds of which there is an example.
@@ -32,15 +36,32 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         // An error, lest the list end in a file that is meant to be a mechanism.
         bail!("name the kind of mechanism, as in `paracal new six-hardpoint > hexapod.toml`:\n{}", list());
     };
-    if ui.json {
-        let ExampleFile { kind, label, text } = example;
-        ui.result("", &json!({ "type": kind, "label": label, "text": text }));
-    } else {
-        use std::io::Write;
-        // A reader that closed the pipe wants no more.
-        let _ = std::io::stdout().write_all(example.text.as_bytes());
+    let ExampleFile { kind, label, text, .. } = example;
+    match &args.output {
+        Some(path) => {
+            save(text, path)?;
+            let shown = path.display().to_string();
+            let said = format!("{shown} written: {label}; put in your own numbers, then: paracal inspect {shown}");
+            ui.result(&said, &json!({ "type": kind, "label": label, "output": shown }));
+        }
+        None if ui.json => ui.result("", &json!({ "type": kind, "label": label, "text": text })),
+        None => {
+            use std::io::Write;
+            // A reader that closed the pipe wants no more.
+            let _ = std::io::stdout().write_all(text.as_bytes());
+        }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a new file; one that exists has numbers of its user.
+fn save(text: &str, path: &Path) -> Result<()> {
+    if path.exists() {
+        bail!("{}: exists already; choose another name, or delete it first", path.display());
+    }
+    let mut outputs = Outputs::beside_inputs::<&Path>([]);
+    outputs.add(path, text)?;
+    Ok(outputs.write()?)
 }
 
 /// A line for each kind.

@@ -47,3 +47,14 @@ fn one_object_for_scripts() {
     assert_eq!(found["type"], "linear-delta");
     assert!(found["text"].as_str().unwrap().contains("type = \"linear-delta\""));
 }
+
+#[test]
+fn a_file_is_written_but_none_is_overwritten() {
+    let bench = Bench::empty();
+    let said = bench.done("new tripod-3rps -o tripod.toml").out;
+    says(&said, &["tripod.toml written", "paracal inspect tripod.toml"]);
+    assert_eq!(bench.text("tripod.toml"), bench.done("new tripod-3rps").out);
+    assert_eq!(bench.json("new pose -o pose.toml")["output"], "pose.toml");
+    bench.refuses("new pose -o tripod.toml", &["tripod.toml: exists already"]);
+    bench.refuses("new pose -o nowhere/pose.toml", &["nowhere"]);
+}
