@@ -14,6 +14,7 @@ mod diagnose;
 mod effect_args;
 mod evaluate;
 mod inspect;
+mod new;
 mod reproduce;
 pub mod reproduction;
 mod select;
@@ -59,6 +60,8 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Print a mechanism file to start from, with a comment on every key.
+    New(new::Args),
     /// Show geometry, home, strokes, conditioning, and what 20 well-chosen poses would determine.
     Inspect(inspect::Args),
     /// Choose the poses to measure, and prove how good the choice is.
@@ -115,6 +118,7 @@ pub fn run(cli: &Cli) -> Result<ExitCode> {
     let ui =
         Ui { json: cli.json, quiet: cli.quiet, reading, warnings: RefCell::default(), file_on_stdout: Cell::default() };
     match &cli.command {
+        Command::New(args) => new::run(args, &ui),
         Command::Inspect(args) => inspect::run(args, &ui),
         Command::Select(args) => select::run(args, &ui),
         Command::Simulate(args) => simulate::run(args, &ui),

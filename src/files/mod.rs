@@ -27,6 +27,7 @@ pub use error::FileError;
 pub use finding::{Finding, FindingKind};
 pub use machine::Machine;
 pub use mechanism::document::MechanismDocument;
+pub use mechanism::examples::{ExampleFile, example_files};
 pub use mechanism::sections::{
     ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
     OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,

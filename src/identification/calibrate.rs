@@ -14,7 +14,7 @@ use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
 use crate::identification::judgement::prediction::predicted_errors;
-use crate::identification::judgement::verdict::{judge, judge_drawing, judge_prediction};
+use crate::identification::judgement::verdict::{judge, judge_drawing, judge_poses, judge_prediction};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
 use crate::identification::problem::belief::{Belief, Conventions, without_conventions};
@@ -60,6 +60,7 @@ pub fn calibrate(
         holdout => held_out(identifier, &problem, &fit, holdout, options.seed)?,
     };
     let rows = problem.at_start()?;
+    let seen = rows.seen(found.noise_scale);
     let weak = if rows.without_weakness(found.noise_scale) {
         Vec::new()
     } else {
@@ -69,6 +70,9 @@ pub fn calibrate(
     let tolerance_factors = problem.belief().factors;
     let mut verdict = judge(mechanism, data, &found, converged);
     judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
+    if found.prior {
+        judge_poses(&mut verdict, seen, found.mechanism_parameters);
+    }
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
     let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(
         |cause| {

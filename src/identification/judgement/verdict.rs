@@ -111,6 +111,16 @@ pub(crate) fn judge_drawing(
     }
 }
 
+/// What the number of directions says that the data know better than the tolerances do.
+pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, seen: usize, parameters: usize) {
+    if 2 * seen < parameters {
+        verdict.distrust(format!(
+            "the data determine {seen} of {parameters} directions better than [tolerance] does, and nothing checks the rest \
+             of the drawing; measure more and other poses"
+        ));
+    }
+}
+
 /// What the predicted error says, against that of the drawing.
 pub(crate) fn judge_prediction(verdict: &mut CalibrationVerdict, predicted: &PredictedError, drawing: &PredictedError) {
     let left = |now: f64, before: f64| before > 0.0 && now > LEARNED * before;

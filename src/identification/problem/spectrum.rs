@@ -73,6 +73,14 @@ impl ScaledRows {
         exceeds(&self.gram, limit) || self.spectrum().smallest() >= limit
     }
 
+    /// How many directions the data know better than the tolerances do.
+    pub(crate) fn seen(&self, noise_scale: f64) -> usize {
+        if self.decided(noise_scale) {
+            return self.scale.len();
+        }
+        self.spectrum().for_noise(noise_scale).values.iter().filter(|v| **v > 1.0).count()
+    }
+
     /// Tolerances and the directions (columns, in parameters over them) of which the rows say nothing; `None` if there are
     /// none.
     pub(crate) fn unseen(&self) -> Option<(&[f64], DMatrix<f64>)> {

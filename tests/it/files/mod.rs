@@ -1,6 +1,7 @@
 //! Files that are read and written: units, conditions, effects, kinds, URDF, and texts that are damaged.
 
 mod conditions;
+mod documented;
 mod effects;
 #[cfg(all(feature = "cli", feature = "conformance"))]
 mod kinds;

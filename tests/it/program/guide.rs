@@ -2,8 +2,8 @@
 //! link of the documentation leads somewhere.
 //!
 //! What a page may hold:
-//! * a ```` ```sh ```` block, whose commands are `paracal …`, `cp A B`, `head -n N FILE`, `tail -n N FILE` (or `… > B`) and
-//!   `sed 's/old/new/' A > B`, with plain words, quotes, `\` at the end of a line and `#` comments;
+//! * a ```` ```sh ```` block, whose commands are `paracal …`, `cp A B`, `head -n N FILE`, `tail -n N FILE` (or `… > B`),
+//!   `cut -d, -f 1-3,5 A > B` and `sed 's/old/new/' A > B`, with plain words, quotes, `\` at the end of a line and `#` comments;
 //! * after it a ```` ```text ```` block with what is printed on standard output, or on standard error where nothing else is
 //!   printed. A line `...` stands for one or more lines that are left out. Lines that begin with `warning: ` are looked for
 //!   on standard error;
@@ -135,6 +135,12 @@ impl Folder {
     fn run(&self, command: &[String]) -> Result<Printed, String> {
         let command: Vec<&str> = command.iter().map(String::as_str).collect();
         match command[..] {
+            [ref shown @ .., ">", to] if ["paracal", "head", "tail"].contains(&shown[0]) => {
+                let shown: Vec<String> = shown.iter().map(|w| (*w).to_owned()).collect();
+                let printed = self.run(&shown)?;
+                self.write(to, &printed.out)?;
+                Ok(Printed { out: String::new(), ..printed })
+            }
             ["paracal", ref args @ ..] => {
                 let output = self.0.run(args);
                 let [out, err] = [output.stdout, output.stderr].map(|b| String::from_utf8_lossy(&b).into_owned());
@@ -148,14 +154,28 @@ impl Folder {
                 let out = text.lines().skip(skipped).take(number).map(|l| format!("{l}\n")).collect();
                 Ok(Printed { out, ..Printed::default() })
             }
-            [ref shown @ .., ">", to] if ["head", "tail"].contains(&shown[0]) => {
-                let shown: Vec<String> = shown.iter().map(|w| (*w).to_owned()).collect();
-                self.write(to, &self.run(&shown)?.out)
-            }
+            ["cut", "-d,", "-f", fields, from, ">", to] => self.write(to, &cut(fields, &self.read(from)?)?),
             ["sed", script, from, ">", to] => self.write(to, &substituted(script, &self.read(from)?)?),
             _ => Err(format!("this command is not among those that a page may hold: {}", command.join(" "))),
         }
     }
+}
+
+/// These fields of each line, such as `1-3,5`; a line without a comma is kept.
+fn cut(fields: &str, text: &str) -> Result<String, String> {
+    let number =
+        |n: &str| n.parse::<usize>().ok().filter(|n| *n > 0).ok_or(format!("cut: '{n}' is not a field: {fields}"));
+    let mut kept = Vec::new();
+    for range in fields.split(',') {
+        let (first, last) = range.split_once('-').unwrap_or((range, range));
+        kept.extend(number(first)?..=number(last)?);
+    }
+    let line = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let some = cells.iter().enumerate().filter(|(k, _)| cells.len() == 1 || kept.contains(&(k + 1)));
+        some.map(|(_, cell)| *cell).collect::<Vec<_>>().join(",") + "\n"
+    };
+    Ok(text.lines().map(line).collect())
 }
 
 /// `s/old/new/` and `s/old/new/g` on plain characters. A script that changes nothing is a mistake of the page.
@@ -382,6 +402,7 @@ mod can_fail {
         refused(&page("sed 's/no such words/x/' mechanisms/table5.toml > x.toml", "..."), "nothing to change");
         refused(&page("sed 's/[a-z]/x/' mechanisms/table5.toml > x.toml", "..."), "plain characters");
         refused(&page("head -n 2 nothing.csv", "..."), "nothing.csv");
+        refused(&page("cut -d, -f 1,b examples/data/hardpoint-errors.csv > x.csv", "..."), "'b' is not a field");
     }
 
     #[test]
@@ -395,6 +416,12 @@ mod can_fail {
         let shown = page(call, error).replace("Try it.", "It fails (exit code 2):");
         refused(&shown, "not printed like this");
         refused(&page("paracal --version", "warning: none\n..."), "no such warning");
+        let kept = page(
+            "paracal --version > version.txt\nhead -n 1 version.txt",
+            concat!("paracal ", env!("CARGO_PKG_VERSION")),
+        );
+        follow(&kept).unwrap();
+        assert_eq!(cut("1,3-4", "a,b,c,d,e\n# all\n").unwrap(), "a,c,d\n# all\n");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod command_line;
 mod effects;
 mod guide;
 mod mutated_calls;
+mod new;
 mod other_programs;
 mod reports;
 mod reproduction;

@@ -23,6 +23,8 @@ pub(crate) struct FileKind {
     /// True if its points are written in the frames of a measurement, so that sensors go along; others keep the
     /// frames of the drawing.
     pub(crate) points_move: bool,
+    /// A file of this kind with comments on every key; `None` if a file alone does not make one.
+    pub(crate) example: Option<&'static str>,
     /// Reads it; what the user should know is added to the warnings.
     pub(crate) read: fn(&Source<'_>, &mut Vec<String>) -> Result<Made, FileError>,
     /// Writes a mechanism of this kind into a document of this kind: legs, cables, offsets, home and mounting. False

@@ -18,6 +18,7 @@ pub(super) const KIND: FileKind = FileKind {
     optional: &["stroke"],
     parts: PARTS,
     points_move: false,
+    example: Some(include_str!("../examples/linear-delta.toml")),
     read: |source, warned| closure_kind::read::<LinearDelta>(&KIND, draw, source, warned),
     write: |mechanism, target, document| closure_kind::write::<LinearDelta>(mechanism, target, document, put),
 };

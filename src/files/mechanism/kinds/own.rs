@@ -18,6 +18,7 @@ pub(crate) const KIND: FileKind = FileKind {
     optional: &[],
     parts: &["[[parameter]]", "[mounting]"],
     points_move: true,
+    example: None,
     read,
     write,
 };

@@ -18,6 +18,7 @@ pub(super) const KIND: FileKind = FileKind {
     optional: &[],
     parts: &["[[leg]]", "[[cable]]", "[[nominal_leg]]", "[[nominal_cable]]", "[mounting]", "identify"],
     points_move: false,
+    example: Some(include_str!("../examples/planar-cables.toml")),
     read: |source, warned| closure_kind::read::<PlanarCables>(&KIND, draw, source, warned),
     write: |mechanism, target, document| closure_kind::write::<PlanarCables>(mechanism, target, document, put),
 };

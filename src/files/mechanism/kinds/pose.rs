@@ -16,6 +16,7 @@ pub(crate) const KIND: FileKind = FileKind {
     optional: &[],
     parts: &["[offset]"],
     points_move: false,
+    example: Some(include_str!("../examples/pose.toml")),
     read,
     write,
 };

@@ -18,6 +18,7 @@ pub(super) const KIND: FileKind = FileKind {
     optional: &["angle_offset", "stroke"],
     parts: PARTS,
     points_move: false,
+    example: Some(include_str!("../examples/rotary-stewart.toml")),
     read: |source, warned| closure_kind::read::<RotaryStewart>(&KIND, draw, source, warned),
     write: |mechanism, target, document| closure_kind::write::<RotaryStewart>(mechanism, target, document, put),
 };

@@ -19,6 +19,7 @@ pub(crate) const KIND: FileKind = FileKind {
     optional: &["length_offset", "stroke", "nominal"],
     parts: &["[[leg]]"],
     points_move: true,
+    example: Some(include_str!("../examples/six-hardpoint.toml")),
     read,
     write,
 };

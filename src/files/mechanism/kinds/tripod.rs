@@ -18,6 +18,7 @@ pub(super) const KIND: FileKind = FileKind {
     optional: &["length_offset", "hinge_tilt", "stroke"],
     parts: PARTS,
     points_move: false,
+    example: Some(include_str!("../examples/tripod-3rps.toml")),
     read: |source, warned| closure_kind::read::<Tripod>(&KIND, draw, source, warned),
     write: |mechanism, target, document| closure_kind::write::<Tripod>(mechanism, target, document, put),
 };
