@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde_json::json;
 
-use crate::cli::common::Ui;
+use crate::cli::ui::Ui;
 use crate::files::{ExampleFile, Outputs, example_files};
 
 /// Arguments of `new`.
