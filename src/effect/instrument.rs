@@ -122,6 +122,12 @@ impl MeasurementModel for WithInstrumentEffects {
         self.inner.row_of_each(sample)
     }
 
+    fn target_motion(&self, own: &[f64]) -> Option<DMatrix<f64>> {
+        let of_inner = self.inner.nuisance_parameters().len();
+        let motion = self.inner.target_motion(&own[..of_inner])?;
+        Some(motion.resize_horizontally(own.len(), 0.0))
+    }
+
     fn nuisance_parameters(&self) -> &[ParameterSpec] {
         &self.specs
     }

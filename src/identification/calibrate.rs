@@ -13,7 +13,7 @@ use crate::identification::judgement::drawing::{DrawingTest, widened};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
-use crate::identification::judgement::prediction::predicted_errors;
+use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target};
 use crate::identification::judgement::verdict::{judge, judge_drawing, judge_poses, judge_prediction};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
@@ -82,7 +82,7 @@ pub fn calibrate(
         |errors| errors.rms(),
     );
     let nominal: Vec<Pose> = nominal.into_iter().collect::<Result<_, _>>()?;
-    let predicted = predict(mechanism, &found, workspace, &frames, options)?;
+    let predicted = predict(mechanism, data, &found, workspace, &frames, options)?;
     let of_drawing = drawing_error(mechanism, &found, tolerance_factors, workspace, options);
     if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
         judge_prediction(&mut verdict, predicted, of_drawing);
@@ -240,6 +240,7 @@ fn poses_to_predict(
 
 fn predict(
     mechanism: &dyn Mechanism,
+    data: &Dataset,
     found: &Identification,
     workspace: Option<&Workspace>,
     frames: &Frames,
@@ -252,7 +253,11 @@ fn predict(
     let (poses, convention) = poses_to_predict(found, workspace, options);
     let pivot = frames.target.place(&convention.pivot);
     let convention = PoseConvention { pivot, ..convention };
-    Ok(predicted_errors(aligned.as_ref(), &found.mechanism_covariance(), &poses, &convention))
+    let aligned = aligned.as_ref();
+    Ok(match data.model().target_motion(&found.own_values()) {
+        Some(motion) => predicted_errors_of_target(aligned, &found.covariance, &motion, &poses, &convention),
+        None => predicted_errors(aligned, &found.mechanism_covariance(), &poses, &convention),
+    })
 }
 
 /// The error of the drawing at the same poses, if its parameters are as uncertain as their tolerances and all conventions are

@@ -114,6 +114,12 @@ pub trait MeasurementModel: Debug + Send + Sync {
         TargetFrame::Convention
     }
 
+    /// Small motion `(δt, δω)` of the target on the platform, in the platform's frame, per own parameter (6 × own), where these
+    /// say where the target sits; `None` if they do not.
+    fn target_motion(&self, _own: &[f64]) -> Option<DMatrix<f64>> {
+        None
+    }
+
     /// The measured position of one point that is fixed to the platform, in the tracker's frame.
     fn point(&self, sample: usize) -> Option<PointReading>;
 }

@@ -1,6 +1,6 @@
 //! Measured positions of points on the platform.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::pose_measurement::point_motion;
 use super::{Frames, MeasurementModel, PointReading, RowKind, Rows, Sample, TargetFrame, numbered};
@@ -80,6 +80,9 @@ impl TargetMeasurement {
     }
 }
 
+/// Singular values below this, m, say that the places lie on a line.
+const COLLINEAR: f64 = 1e-9;
+
 impl MeasurementModel for TargetMeasurement {
     fn describe(&self) -> String {
         let unknown = self.own.len() / 3;
@@ -154,6 +157,20 @@ impl MeasurementModel for TargetMeasurement {
 
     fn target_frame(&self) -> TargetFrame {
         if self.known() >= 3 || self.own.is_empty() { TargetFrame::Known } else { TargetFrame::Identified }
+    }
+
+    /// The best rigid motion of the identified places, where all are.
+    fn target_motion(&self, own: &[f64]) -> Option<DMatrix<f64>> {
+        let n = self.targets.len();
+        if n < 3 || self.known() > 0 {
+            return None;
+        }
+        let mut moved = DMatrix::zeros(3 * n, 6);
+        for (t, place) in self.places(own).iter().enumerate() {
+            moved.fixed_view_mut::<3, 3>(3 * t, 0).copy_from(&Matrix3::identity());
+            moved.fixed_view_mut::<3, 3>(3 * t, 3).copy_from(&-place.cross_matrix());
+        }
+        moved.pseudo_inverse(COLLINEAR).ok()
     }
 
     fn rigid_pose(&self, sample: usize) -> Option<Pose> {

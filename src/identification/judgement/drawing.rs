@@ -12,7 +12,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use crate::identification::error::IdentifyError;
 use crate::identification::estimators::fit::Fit;
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
-use crate::identification::problem::belief::{Belief, GROUPS, Group};
+use crate::identification::problem::belief::{Belief, FREE, GROUPS, Group};
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::prior::Prior;
 use crate::solve::Triangle;
@@ -138,7 +138,7 @@ fn decided(problem: &CalibrationProblem<'_>, covariance: &DMatrix<f64>) -> f64 {
         let group = group.as_ref()?;
         let q = group.convention.as_ref()?;
         let known = q.transpose() * scaled(group, covariance) * q;
-        let left = known.trace() / (Prior::FREE * factor).powi(2);
+        let left = known.trace() / (FREE * factor).powi(2);
         Some(q.ncols() as f64 - left)
     };
     free.filter_map(count).sum()

@@ -37,3 +37,30 @@ pub fn predicted_errors(
         poses.iter().filter_map(|pose| motion_of_point(mechanism, pose, &convention.pivot).ok()).collect();
     (!blocks.is_empty()).then(|| PredictedError::over(&blocks, covariance))
 }
+
+/// The same of the frame in which the identified targets sit, `motion` (6 × own) being how far each own parameter of the
+/// measurement moves it on the platform. The platform alone has no place then: moving its points and all targets together
+/// changes nothing that is measured.
+pub(crate) fn predicted_errors_of_target(
+    mechanism: &dyn Mechanism,
+    covariance: &DMatrix<f64>,
+    motion: &DMatrix<f64>,
+    poses: &[Pose],
+    convention: &PoseConvention,
+) -> Option<PredictedError> {
+    let (n, own) = (mechanism.parameters().len(), motion.ncols());
+    let block = |pose: &Pose| {
+        let of_mechanism = motion_of_point(mechanism, pose, &convention.pivot).ok()?;
+        let turn = pose.rotation.matrix();
+        let mut carried = Matrix6::zeros();
+        carried.fixed_view_mut::<3, 3>(0, 0).copy_from(turn);
+        carried.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-turn * convention.pivot.cross_matrix()));
+        carried.fixed_view_mut::<3, 3>(3, 3).copy_from(turn);
+        let mut block = DMatrix::zeros(6, n + own);
+        block.columns_mut(0, n).copy_from(&of_mechanism);
+        block.columns_mut(n, own).copy_from(&(carried * motion));
+        Some(block)
+    };
+    let blocks: Vec<DMatrix<f64>> = poses.iter().filter_map(block).collect();
+    (!blocks.is_empty()).then(|| PredictedError::over(&blocks, covariance))
+}

@@ -43,6 +43,9 @@ impl Conventions {
         [self.target, self.tracker, self.zeros, false]
     }
 
+    /// All free.
+    pub(crate) const FREE: Self = Self { target: true, tracker: true, zeros: true };
+
     /// Those that the identified values contradict: along them the points, or the zeros, moved farther than their tolerances
     /// allow.
     pub fn contradicted(mechanism: &dyn Mechanism, values: &[f64]) -> Self {
@@ -78,6 +81,9 @@ pub struct Belief {
     pub conventions: Conventions,
     /// True width over the stated one, by group.
     pub factors: [f64; 4],
+    /// True if the places of targets on the platform are identified too, so that moving the platform's points and all targets
+    /// together moves nothing that is measured: the platform is then where the drawing has it, by definition.
+    pub platform_held: bool,
     /// Values about which free conventions are looked for, where a fit has found them; those of the drawing if absent.
     pub centre: Option<Vec<f64>>,
 }
@@ -85,9 +91,25 @@ pub struct Belief {
 impl Belief {
     /// The tolerances as they are stated.
     pub fn stated(conventions: Conventions) -> Self {
-        Self { conventions, factors: [1.0; 4], centre: None }
+        Self { conventions, factors: [1.0; 4], platform_held: false, centre: None }
     }
 }
+
+impl Belief {
+    /// How much narrower than its tolerances each convention is taken, by group.
+    pub(crate) fn narrowness(&self) -> [f64; 4] {
+        let mut along = self.conventions.free().map(|free| if free { 1.0 / FREE } else { 1.0 });
+        if self.platform_held {
+            along[0] = HELD;
+        }
+        along
+    }
+}
+
+/// How many widths a convention may be away if it is free.
+pub(crate) const FREE: f64 = 100.0;
+/// And by how much narrower one is taken that nothing sees.
+const HELD: f64 = 1e3;
 
 /// The parameters of a group that have a tolerance.
 pub(crate) struct Group {
@@ -104,6 +126,16 @@ impl Group {
         // Parameters without a tolerance are as good as free.
         let widths: Vec<f64> = mechanism.parameters().iter().map(|s| s.tolerance.unwrap_or(f64::INFINITY)).collect();
         Self::of(mechanism, &widths)
+    }
+
+    /// Its conventions as columns in all `n` parameters over their tolerances.
+    pub(crate) fn directions(&self, n: usize) -> Option<DMatrix<f64>> {
+        let q = self.convention.as_ref()?;
+        let mut all = DMatrix::zeros(n, q.ncols());
+        for (row, k) in self.members.iter().enumerate() {
+            all.row_mut(*k).copy_from(&q.row(row));
+        }
+        Some(all)
     }
 
     /// All groups with other widths, infinite ones left out.

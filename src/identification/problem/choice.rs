@@ -3,10 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::identification::error::IdentifyError;
+use crate::identification::problem::belief::Group;
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::spectrum::ScaledRows;
 use crate::identification::task::Weights;
+use crate::measurement::TargetFrame;
 use crate::solve::{Triangle, linearized};
 
 /// Rows per unknown up to which folding them together costs more than it saves.
@@ -50,6 +52,13 @@ impl CalibrationProblem<'_> {
         self.at_start.as_ref().ok_or(IdentifyError::Empty)
     }
 
+    /// True if the readings say nothing of a rigid motion of all platform points: the places of the targets take it up.
+    fn platform_is_free(&mut self) -> Result<bool, IdentifyError> {
+        let [Some(platform), ..] = Group::all(self.mechanism) else { return Ok(false) };
+        let rows = self.at_start()?;
+        Ok(platform.directions(rows.parameters()).is_some_and(|directions| rows.miss(&directions)))
+    }
+
     /// Takes the prior that the task asks for, where σ of the readings is `noise_scale` times the stated one: with
     /// [`PriorPolicy::Auto`] the tolerances, unless the data decide every direction.
     ///
@@ -59,6 +68,8 @@ impl CalibrationProblem<'_> {
         if self.data.row_count() == 0 {
             return Err(IdentifyError::Empty);
         }
+        self.belief.platform_held =
+            self.data.model().target_frame() == TargetFrame::Identified && self.platform_is_free()?;
         let unweighted = self.weights == Weights::MillimetresAndRadians;
         let tolerances = |p: &Self| Prior::from_tolerance(p.mechanism, &p.belief);
         let policy = self.policy;

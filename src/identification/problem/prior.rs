@@ -1,7 +1,7 @@
 //! Manufacturing tolerances as prior knowledge.
 
 use crate::identification::error::IdentifyError;
-use crate::identification::problem::belief::{Belief, Group, group_of};
+use crate::identification::problem::belief::{Belief, Conventions, Group, group_of};
 use crate::mechanism::{Mechanism, ParameterSpec, characteristic_length};
 use crate::units::Dimension;
 use nalgebra::{DMatrix, DVector};
@@ -34,16 +34,13 @@ pub struct Prior {
 /// How firmly unseen directions are held, as a part of the scale.
 const HOLD: f64 = 1e-3;
 impl Prior {
-    /// How many widths a convention may be away if it is free.
-    pub(crate) const FREE: f64 = 100.0;
-
     /// The most probable values of the parameters before anything is measured.
     pub(crate) fn centre(&self) -> &[f64] {
         &self.centre
     }
 
     /// Each parameter lies about its start with its tolerance, times the factor of its group, as 1σ: the rows are `D⁻¹` with
-    /// `D` these widths, or `(I - (1 - 1/100) Q Qᵀ) D⁻¹` with `Q` the conventions that are free.
+    /// `D` these widths, or `(I - (1 - a) Q Qᵀ) D⁻¹` with `Q` the conventions, along which `a` is a hundredth if they are free.
     ///
     /// # Errors
     /// [`IdentifyError::NoTolerance`] if no parameter has one.
@@ -52,7 +49,7 @@ impl Prior {
         let specs = mechanism.parameters();
         let width = |s: &ParameterSpec| s.tolerance.map_or(f64::INFINITY, |t| t * factors[group_of(s.role)]);
         let widths: Vec<f64> = specs.iter().map(width).collect();
-        let rows = rows(mechanism, &widths, belief.conventions.free());
+        let rows = rows(mechanism, &widths, belief.narrowness());
         if rows.nrows() == 0 {
             return Err(IdentifyError::NoTolerance);
         }
@@ -96,7 +93,7 @@ impl Prior {
             )
         };
         let widths: Vec<f64> = specs.iter().zip(mechanism.values()).map(|(s, v)| width(s, *v)).collect();
-        let rows = rows(mechanism, &widths, [true, true, true, false]);
+        let rows = rows(mechanism, &widths, Belief::stated(Conventions::FREE).narrowness());
         Self { centre: mechanism.values().to_vec(), rows, held: None }
     }
 
@@ -159,18 +156,18 @@ impl Prior {
     }
 }
 
-/// A row for each parameter of finite width; of those along a free convention only a part is left.
-fn rows(mechanism: &dyn Mechanism, widths: &[f64], free: [bool; 4]) -> DMatrix<f64> {
+/// A row for each parameter of finite width; along the convention of a group they are multiplied by its `narrowness`.
+fn rows(mechanism: &dyn Mechanism, widths: &[f64], narrowness: [f64; 4]) -> DMatrix<f64> {
     let groups = Group::of(mechanism, widths);
     let count = groups.iter().flatten().map(|g| g.members.len()).sum();
     let mut rows = DMatrix::zeros(count, widths.len());
     let mut first = 0;
-    for (group, free) in groups.iter().zip(free) {
+    for (group, along) in groups.iter().zip(narrowness) {
         let Some(group) = group else { continue };
         let n = group.members.len();
         let mut precision = DMatrix::identity(n, n);
-        if let Some(q) = group.convention.as_ref().filter(|_| free) {
-            precision -= q * q.transpose() * (1.0 - 1.0 / Prior::FREE);
+        if let Some(q) = &group.convention {
+            precision += q * q.transpose() * (along - 1.0);
         }
         for (column, (k, width)) in group.members.iter().zip(&group.widths).enumerate() {
             rows.view_mut((first, *k), (n, 1)).copy_from(&(precision.column(column) / *width));

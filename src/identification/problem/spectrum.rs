@@ -73,6 +73,16 @@ impl ScaledRows {
         exceeds(&self.gram, limit) || self.spectrum().smallest() >= limit
     }
 
+    /// Number of parameters of the mechanism.
+    pub(crate) fn parameters(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// True if the rows say nothing of these directions (columns, in parameters over their tolerance).
+    pub(crate) fn miss(&self, directions: &DMatrix<f64>) -> bool {
+        (&self.part * directions).norm() < CLEARLY_SEEN * self.part.norm()
+    }
+
     /// How many directions the data know better than the tolerances do.
     pub(crate) fn seen(&self, noise_scale: f64) -> usize {
         if self.decided(noise_scale) {
