@@ -133,7 +133,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let chosen = chosen_identifier(args)?;
     let progress = ui.progress(format!("calibrating with {} samples", measurement.data.len()));
     let mechanism = machine.mechanism.as_ref();
-    let result = calibrate(mechanism, &measurement.data, machine.workspace.as_ref(), chosen.as_ref(), &options)
+    let mut result = calibrate(mechanism, &measurement.data, machine.workspace.as_ref(), chosen.as_ref(), &options)
         .map_err(|error| match (error, &options.holdout, &second) {
             (IdentifyError::HeldOut(cause), Holdout::Data(held), Some(path)) => about(*cause, &machine, path, held),
             (error, ..) => about(error, &machine, &args.data, &measurement.data),
@@ -141,12 +141,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     progress.finish_and_clear();
 
     let document = machine.calibrated_document(&result, &measurement)?;
-    if !machine.effects().is_empty() && result.registration.applied {
-        ui.warn(
-            "the effects in the mechanism file act in its base frame and were identified as if the data were in that \
-             frame; transform the data into it",
-        );
-    }
+    result.compare_with_written(machine.errors_as_written(&document, &measurement));
     let written = args.output.as_ref().map(|path| outputs.add_mechanism(path, &document)).transpose()?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;

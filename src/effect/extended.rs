@@ -9,9 +9,10 @@ use nalgebra::Vector3;
 use super::context::Home;
 use super::{ActsOn, Effect, EffectContext, EffectParameter, Environment, Perturbation, ScanPoint, Site};
 use crate::conditions::Conditions;
+use crate::mechanism::mounting::Mounting;
 use crate::mechanism::{
-    Extension, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock, ParameterRole,
-    ParameterSpec,
+    Extension, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock, Mounted,
+    ParameterRole, ParameterSpec,
 };
 use crate::pose::Pose;
 
@@ -242,12 +243,10 @@ impl Mechanism for Extended {
         self.inner.controlled()
     }
 
+    /// Directions of effects, such as gravity, are those of the drawing, so that it is not carried into other frames.
     fn mounted(&self, base: &Pose, target: &Pose) -> Option<Box<dyn Mechanism>> {
-        let inner = self.inner.mounted(base, target)?;
-        let mut made = Self::new(inner, Arc::clone(&self.environment), self.effects.clone());
-        made.core.parameters.clone_from(&self.core.parameters);
-        made.home.keep_joints(&self.home);
-        Some(Box::new(made))
+        let same = self.with_values(self.values(), self.home()).ok()?;
+        Some(Box::new(Mounted::new(same, Mounting { base: *base, target: *target })))
     }
 
     fn mounting(&self) -> Option<(Pose, Pose)> {

@@ -21,6 +21,8 @@ pub struct Machine {
     /// The mechanism.
     pub mechanism: Box<dyn Mechanism>,
     /// The geometry by which the controller turns commanded poses into lengths, if that is another: a calibrated
+    /// The mechanism without its effects, where it is mounted and has some.
+    pub(super) plain: Option<Box<dyn Mechanism>>,
     /// file keeps the nominal points.
     pub(super) nominal: Option<Box<dyn Mechanism>>,
     /// How its file and its data write poses.
@@ -53,9 +55,9 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The mechanism without the effects of its file.
+    /// The mechanism without the effects of its file, in the same frames.
     pub fn plain(&self) -> &dyn Mechanism {
-        without_effects(self.mechanism.as_ref())
+        self.plain.as_deref().unwrap_or_else(|| without_effects(self.mechanism.as_ref()))
     }
 
     /// The effects that its file may state and that a diagnosis looks for.

@@ -7,8 +7,9 @@ use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::sections::EffectEntry;
 use crate::files::table::measurement_file::Measurement;
-use crate::identification::Calibration;
+use crate::identification::{Calibration, ErrorSummary, carried_workspace, evaluate};
 use crate::measurement::{Dataset, Frames};
+use crate::mechanism::mount;
 
 impl Machine {
     /// The machine of the same file without its effects.
@@ -43,7 +44,24 @@ impl Machine {
         Ok(document)
     }
 
-    /// The file of the extended model that a diagnosis of this machine found, in the frames of the drawing.
+    /// What a written file makes of the data that it was fitted to: the errors of its model, read as anyone reads it. They are
+    /// to be those of the fit.
+    ///
+    /// # Errors
+    /// Why the file cannot be read, or what its model does not reach.
+    pub fn errors_as_written(
+        &self,
+        document: &MechanismDocument,
+        measurement: &Measurement,
+    ) -> Result<ErrorSummary, String> {
+        let mut written = self.with_document(document.clone()).map_err(|e| e.to_string())?;
+        let again = measurement.of(&written).map_err(|e| e.to_string())?;
+        written.refer_to(again.data.iter().map(|s| &s.conditions), "the data");
+        let errors = evaluate(written.mechanism.as_ref(), &[], &again.data).map_err(|e| e.to_string())?;
+        Ok(errors.rms())
+    }
+
+    /// The file of the extended model that a diagnosis of this machine found, in the frames of the measurement.
     ///
     /// # Errors
     /// [`FileError`] if there is no mechanism of the values that were found.
@@ -64,9 +82,14 @@ impl Machine {
             cause.map(of).unwrap_or_default()
         };
         let sigmas: Vec<Vec<f64>> = found.effects.iter().map(sigma).collect();
+        let (frames, workspace) = (&found.frames, self.workspace.as_ref());
+        let seen = match frames.is_identity() {
+            true => calibrated,
+            false => mount(calibrated, &frames.base, &frames.target),
+        };
         self.document_with_effects(
-            calibrated.as_ref(),
-            self.workspace.as_ref(),
+            seen.as_ref(),
+            workspace.map(|w| carried_workspace(w, frames)).as_ref(),
             &Frames::default(),
             &found.effects,
             &sigmas,

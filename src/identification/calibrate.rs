@@ -17,7 +17,7 @@ use crate::identification::judgement::prediction::{predicted_errors, predicted_e
 use crate::identification::judgement::verdict::{judge, judge_drawing, judge_poses, judge_prediction};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
-use crate::identification::problem::belief::{Belief, Conventions, without_conventions};
+use crate::identification::problem::belief::{Belief, Conventions, group_of, without_conventions};
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::start::poses_from_home;
@@ -59,15 +59,16 @@ pub fn calibrate(
         }
         holdout => held_out(identifier, &problem, &fit, holdout, options.seed)?,
     };
+    let tolerance_factors = problem.belief().factors;
     let rows = problem.at_start()?;
-    let seen = rows.seen(found.noise_scale);
+    let wider: Vec<f64> = mechanism.parameters().iter().map(|s| tolerance_factors[group_of(s.role)]).collect();
+    let seen = rows.seen(found.noise_scale, &wider);
     let weak = if rows.without_weakness(found.noise_scale) {
         Vec::new()
     } else {
         weak_directions(mechanism, &rows.spectrum().for_noise(found.noise_scale))
     };
     let drawing = DrawingTest::of(&problem, &fit)?;
-    let tolerance_factors = problem.belief().factors;
     let mut verdict = judge(mechanism, data, &found, converged);
     judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
     if found.prior {

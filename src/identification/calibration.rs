@@ -15,6 +15,7 @@ use crate::identification::task::Weights;
 use crate::mechanism::{Mechanism, Workspace};
 use crate::observability::PredictedError;
 use crate::pose::PoseConvention;
+use crate::units::show_length;
 
 /// Options of a calibration.
 #[derive(Clone, Debug)]
@@ -39,6 +40,33 @@ impl Default for CalibrationOptions {
             holdout: Holdout::Folds(5),
             seed: 0,
             convention: PoseConvention::default(),
+        }
+    }
+}
+
+/// Errors of a written file are those of the fit to this part, and to this length and angle, m and rad.
+const AS_WRITTEN: (f64, f64) = (1e-6, 1e-9);
+
+impl Calibration {
+    /// Compares the errors that the fit left with those of the file that it is written to; where they differ, the file is not
+    /// what was found, and the result is not to be trusted.
+    pub fn compare_with_written(&mut self, written: Result<ErrorSummary, String>) {
+        let same = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => (a - b).abs() <= AS_WRITTEN.0 * a + AS_WRITTEN.1,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let problem = match written {
+            Ok(errors) if same(errors.position, self.after.position) && same(errors.rotation, self.after.rotation) => {
+                return;
+            }
+            Ok(errors) => match errors.position {
+                Some(position) => format!("its errors on these data are {}", show_length(position)),
+                None => "its errors on these data are others".into(),
+            },
+            Err(cause) => cause,
+        };
+        if self.verdict.trusted {
+            self.verdict.distrust(format!("the file does not say what was identified: {problem}"));
         }
     }
 }

@@ -27,6 +27,8 @@ mod core;
 mod error;
 pub mod kinds;
 mod kinematics;
+mod mounted;
+pub(crate) mod mounting;
 mod parameter;
 mod pose_positioner;
 mod six_hardpoint;
@@ -47,6 +49,7 @@ pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{
     consistent, continuation, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point,
 };
+pub use mounted::{Mounted, mount};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub use pose_positioner::PosePositioner;
 #[cfg(feature = "files")]

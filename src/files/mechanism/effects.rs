@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::conditions::Conditions;
 use crate::effect::{
     ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, Environment, Extended, Scan, ScanPoint,
-    effects_of,
+    effects_of, without_effects,
 };
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
@@ -14,7 +14,7 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
 use crate::files::mechanism::sections::EffectEntry;
 use crate::measurement::Frames;
-use crate::mechanism::{Mechanism, Workspace};
+use crate::mechanism::{Mechanism, Workspace, mount};
 
 /// A problem with an entry: the key, if it is about one, and the problem.
 struct Trouble {
@@ -237,12 +237,16 @@ impl Machine {
             }
         }
         self.environment = Arc::new(environment);
-        let plain = self.plain();
+        let drawn = without_effects(self.mechanism.as_ref());
         // The values are those of the mechanism itself, which it takes.
-        if let Ok(inner) = plain.with_values(plain.values(), plain.home()) {
+        if let Ok(inner) = drawn.with_values(drawn.values(), drawn.home()) {
             let moving = effects_of(self.mechanism.as_ref()).to_vec();
             if !moving.is_empty() {
-                self.mechanism = Box::new(Extended::new(inner, Arc::clone(&self.environment), moving));
+                let extended = Box::new(Extended::new(inner, Arc::clone(&self.environment), moving));
+                self.mechanism = match self.mechanism.mounting() {
+                    Some((base, target)) => mount(extended, &base, &target),
+                    None => extended,
+                };
             }
         }
         let means = said.join(", ");

@@ -1,7 +1,7 @@
 //! From the words of a mechanism file to a [`Machine`]: units, ranges, and what does not fit together.
 
 use crate::conditions::Conditions;
-use crate::effect::Environment;
+use crate::effect::{Environment, without_effects};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
@@ -13,8 +13,8 @@ use crate::files::mechanism::kinds::{self, KINDS};
 use crate::files::mechanism::reader::Reader;
 use crate::files::read_options::ReadOptions;
 use crate::measurement::{Noise, TargetPoint};
-use crate::mechanism::{Mechanism, Workspace};
-use crate::pose::PoseConvention;
+use crate::mechanism::{Mechanism, Workspace, mount};
+use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
 
 /// Builds the machine of a document.
@@ -32,7 +32,6 @@ pub(crate) fn build(
     let own = options.mechanism.as_deref();
     let source = Source { reader, document: &document, convention: &convention, home, own };
     let (mechanism, nominal) = (kind.read)(&source, &mut warnings)?;
-    let workspace = workspace(&source, mechanism.as_ref(), &mut warnings)?;
     let noise = noise(reader, &document, mechanism.as_ref())?;
     let targets = targets(reader, &document)?;
     let contact = document.plane.as_ref().map(|p| p.read(reader)).transpose()?.unwrap_or_default();
@@ -41,10 +40,22 @@ pub(crate) fn build(
     let environment = Environment { home_joints, ..environment(reader, &document, &options.condition_kinds)? };
     let Effects { mechanism, instrument, environment } =
         with_effects(reader, &document, mechanism, environment, &options.catalogue)?;
+    let mounting = document.mounting.as_ref().map(|m| m.read(reader)).transpose()?;
+    let plain = mounted_without_effects(reader, mechanism.as_ref(), mounting)?;
+    let mechanism = match mounting {
+        Some([base, target]) => mount(mechanism, &base, &target),
+        None => mechanism,
+    };
+    let workspace = workspace(
+        &Source { reader, document: &document, convention: &convention, home, own },
+        mechanism.as_ref(),
+        &mut warnings,
+    )?;
     warnings.extend(check_joints(reader, &document, &options.condition_kinds)?);
     Ok(Machine {
         path: reader.path.into(),
         mechanism,
+        plain,
         nominal,
         convention,
         workspace,
@@ -61,6 +72,18 @@ pub(crate) fn build(
         inputs: vec![reader.path.into()],
         document,
     })
+}
+
+/// A mechanism in the frames of a measurement and without its effects; `None` where that is the one with them.
+fn mounted_without_effects(
+    r: &Reader<'_>,
+    mechanism: &dyn Mechanism,
+    mounting: Option<[Pose; 2]>,
+) -> Result<Option<Box<dyn Mechanism>>, FileError> {
+    let Some([base, target]) = mounting.filter(|_| mechanism.extension().is_some()) else { return Ok(None) };
+    let plain = without_effects(mechanism);
+    let plain = plain.with_values(plain.values(), plain.home()).map_err(|cause| r.geometry(cause))?;
+    Ok(Some(mount(plain, &base, &target)))
 }
 
 /// The kind that a document states.

@@ -5,6 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::effect::{ScanPoint, label};
+use crate::files::error::FileError;
+use crate::files::mechanism::reader::Reader;
+use crate::files::mechanism::units::FileUnits;
+use crate::pose::Pose;
 
 /// A horizontal axis of the base.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,6 +103,24 @@ pub struct MountingSection {
     pub target_position: [f64; 3],
     /// α β γ of the target.
     pub target_rotation: [f64; 3],
+}
+
+impl MountingSection {
+    /// Base and target, SI.
+    pub(crate) fn read(&self, r: &Reader<'_>) -> Result<[Pose; 2], FileError> {
+        let pose = |place: &str, p: &[f64; 3], a: &[f64; 3]| Ok(Pose::from_coordinates(&r.six(place, p, a)?));
+        Ok([
+            pose("[mounting] base", &self.base_position, &self.base_rotation)?,
+            pose("[mounting] target", &self.target_position, &self.target_rotation)?,
+        ])
+    }
+
+    /// Of base and target.
+    pub(crate) fn of(units: &FileUnits, (base, target): (Pose, Pose)) -> Self {
+        let (base_position, base_rotation) = units.six(base.coordinates());
+        let (target_position, target_rotation) = units.six(target.coordinates());
+        Self { base_position, base_rotation, target_position, target_rotation }
+    }
 }
 
 /// `[home]`.

@@ -1,5 +1,7 @@
 //! From a [`Machine`] to the document of another state of the same mechanism.
 
+use std::any::Any;
+
 use nalgebra::Vector3;
 
 use crate::effect::{ActiveEffect, effects_of, without_effects};
@@ -9,10 +11,15 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds;
 use crate::files::mechanism::kinds::file_kind::Target;
 use crate::files::mechanism::plane::carried;
-use crate::files::mechanism::sections::PlaneSection;
+use crate::files::mechanism::sections::{MountingSection, PlaneSection};
 use crate::measurement::Frames;
-use crate::mechanism::{Mechanism, Workspace};
+use crate::mechanism::{Mechanism, Mounted, Workspace};
 use crate::pose::Pose;
+
+/// The mechanism that is mounted, where one is.
+fn in_own_frames(mechanism: &dyn Mechanism) -> &dyn Mechanism {
+    (mechanism as &dyn Any).downcast_ref().map_or(mechanism, Mounted::inner)
+}
 
 impl Machine {
     /// The file for another state of the same mechanism: calibrated values, home and workspace in SI, and targets
@@ -28,7 +35,11 @@ impl Machine {
         workspace: Option<&Workspace>,
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
-        let mut document = self.plain_document_of(without_effects(mechanism), workspace, frames)?;
+        let mounting = mechanism.mounting();
+        // What is mounted keeps its drawing, with everything that stands in it.
+        let frames = if mounting.is_some() { &Frames::default() } else { frames };
+        let mut document = self.plain_document_of(in_own_frames(without_effects(mechanism)), workspace, frames)?;
+        document.mounting = mounting.map(|mounting| MountingSection::of(&self.units(), mounting));
         let effects: Vec<ActiveEffect> = effects_of(mechanism).iter().chain(&self.instrument).cloned().collect();
         document.effects = self.effect_entries(&effects, &[], &self.environment);
         Ok(document)

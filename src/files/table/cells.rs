@@ -12,6 +12,7 @@ use crate::files::format::begins_a_mechanism;
 use crate::units::Unit;
 
 /// A table before its columns have a meaning: every row has as many cells as the header.
+#[derive(Clone, Debug)]
 pub(crate) struct Cells {
     pub(crate) header: Vec<String>,
     /// Line in the file and cells, by data row.

@@ -1,6 +1,6 @@
 //! Measurement files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::conditions::Conditions;
 use crate::effect::WithInstrumentEffects;
@@ -10,6 +10,7 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds::pose;
 use crate::files::readings::kind::{ReadingKind, Readings};
 use crate::files::readings::{KINDS, reading_columns};
+use crate::files::table::cells::Cells;
 use crate::files::table::column::Meaning;
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
@@ -29,9 +30,19 @@ pub struct Measurement {
     pub warnings: Vec<String>,
     /// What was measured.
     pub(crate) kind: &'static dyn ReadingKind,
+    /// The file and its cells.
+    source: (PathBuf, Cells),
 }
 
 impl Measurement {
+    /// The same file as a measurement of another machine, such as the calibrated one.
+    ///
+    /// # Errors
+    /// As [`read_measurement`].
+    pub fn of(&self, machine: &Machine) -> Result<Self, FileError> {
+        measurement_of(&self.source.0, self.source.1.clone(), machine)
+    }
+
     /// Puts what was identified with the measurement into the file of the machine: places of targets, the plane. `own` are
     /// the parameters of the data, those of effects on the measurement last.
     pub fn put_identified(&self, machine: &Machine, own: &[Estimate], document: &mut MechanismDocument) {
@@ -46,7 +57,12 @@ impl Measurement {
 /// [`FileError`] naming row, column and what to do.
 pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Measurement, FileError> {
     let path = path.as_ref();
-    let table = Table::read(path, machine, &reading_columns(Some(machine)))?;
+    measurement_of(path, Cells::read(path)?, machine)
+}
+
+/// The measurement that the cells of a file state of a machine.
+fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measurement, FileError> {
+    let table = Table::of(path, cells.clone(), machine, &reading_columns(Some(machine)))?;
     let mut warnings = Vec::new();
     let samples = samples(&table, machine, &mut warnings)?;
     let mut noise = machine.noise.unwrap_or_else(|| Noise::unknown(characteristic_length(machine.mechanism.as_ref())));
@@ -68,7 +84,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
     let data = Dataset::new(samples, model, noise);
     let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
-    Ok(Measurement { data, warnings, kind })
+    Ok(Measurement { data, warnings, kind, source: (path.into(), cells) })
 }
 
 fn states_sigma(meaning: &Meaning) -> bool {

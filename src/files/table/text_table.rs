@@ -24,8 +24,18 @@ pub(crate) struct Table {
 impl Table {
     /// Reads a table and what its columns mean for a machine and for the kinds of reading.
     pub(crate) fn read(path: &Path, machine: &Machine, readings: ReadingNames<'_>) -> Result<Self, FileError> {
+        Self::of(path, Cells::read(path)?, machine, readings)
+    }
+
+    /// What the columns of a table mean for a machine and for the kinds of reading.
+    pub(crate) fn of(
+        path: &Path,
+        cells: Cells,
+        machine: &Machine,
+        readings: ReadingNames<'_>,
+    ) -> Result<Self, FileError> {
         let (mechanism, joints) = (machine.mechanism.as_ref(), machine.joint_columns());
-        let Cells { header, rows, warnings } = Cells::read(path)?;
+        let Cells { header, rows, warnings } = cells;
         let mut columns: Vec<Column> = Vec::with_capacity(header.len());
         for name in &header {
             let problem = |problem: String| FileError::Column { path: path.into(), column: name.clone(), problem };

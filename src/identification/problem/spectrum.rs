@@ -83,12 +83,14 @@ impl ScaledRows {
         (&self.part * directions).norm() < CLEARLY_SEEN * self.part.norm()
     }
 
-    /// How many directions the data know better than the tolerances do.
-    pub(crate) fn seen(&self, noise_scale: f64) -> usize {
+    /// How many directions the data know better than the tolerances do, if these are `factors` times as wide.
+    pub(crate) fn seen(&self, noise_scale: f64, factors: &[f64]) -> usize {
         if self.decided(noise_scale) {
             return self.scale.len();
         }
-        self.spectrum().for_noise(noise_scale).values.iter().filter(|v| **v > 1.0).count()
+        let mut part = self.part.clone();
+        part.column_iter_mut().zip(factors).for_each(|(mut column, factor)| column.scale_mut(*factor));
+        Spectrum::of(&part, 0, false).values.iter().filter(|v| **v > noise_scale).count()
     }
 
     /// Tolerances and the directions (columns, in parameters over them) of which the rows say nothing; `None` if there are

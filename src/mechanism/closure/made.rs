@@ -7,11 +7,11 @@ use nalgebra::{Matrix6, Vector3, Vector6};
 use super::check::{check_dependence, check_outline};
 use super::evaluation::{Derivatives, Place, Wanted, derivatives};
 use super::inverse::{Root, Rows, root};
-use super::mounting::Mounting;
 use super::passive::{eliminated, solved};
 use super::pattern::Pattern;
 use super::{Closure, Outline};
 use crate::conditions::Conditions;
+use crate::mechanism::mounting::Mounting;
 use crate::mechanism::{
     Body, GeometryError, KinematicsError, Linearization, Mechanism, MechanismCore, MotionBlock, ParameterSpec,
     characteristic_length, check_held, forward_by_rows, inverse_motion, motion_block_by_closure,

@@ -49,7 +49,6 @@ mod evaluation;
 mod inverse;
 mod lanes;
 mod made;
-mod mounting;
 mod outline;
 mod passive;
 mod pattern;

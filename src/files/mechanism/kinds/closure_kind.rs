@@ -10,7 +10,7 @@ use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
-use crate::files::mechanism::sections::{CableEntry, LegEntry, MountingSection};
+use crate::files::mechanism::sections::{CableEntry, LegEntry};
 use crate::mechanism::closure::{Closure, ClosureMechanism};
 use crate::mechanism::kinds::Tolerances;
 use crate::mechanism::{Mechanism, ParameterRole, ParameterSpec};
@@ -58,7 +58,7 @@ pub(super) fn read<C: Closure>(
         return Err(r.value("rotation_order", problem));
     }
     warned.extend(moved_home(r, &home, &drawn.home()));
-    let mechanism = mounted(r, document, drawn)?;
+    let mechanism = drawn;
     if mechanism.controlled() != [true; 6] && convention.pivot != Vector3::zeros() {
         let problem = format!("must be absent for type \"{name}\"; put the origin of the platform frame there");
         return Err(r.value("pivot", problem));
@@ -131,19 +131,6 @@ fn tolerances(r: &Reader<'_>, document: &MechanismDocument) -> Result<Option<Tol
     }))
 }
 
-/// The mechanism in the frames of the measurement, if the file states them.
-fn mounted(
-    r: &Reader<'_>,
-    document: &MechanismDocument,
-    drawn: Box<dyn Mechanism>,
-) -> Result<Box<dyn Mechanism>, FileError> {
-    let Some(m) = &document.mounting else { return Ok(drawn) };
-    let pose = |place: &str, p: &[f64; 3], a: &[f64; 3]| Ok(Pose::from_coordinates(&r.six(place, p, a)?));
-    let base = pose("[mounting] base", &m.base_position, &m.base_rotation)?;
-    let target = pose("[mounting] target", &m.target_position, &m.target_rotation)?;
-    Ok(drawn.mounted(&base, &target).unwrap_or(drawn))
-}
-
 /// The mechanism with the parameters that `identify` asks for.
 fn identified<C: Closure>(
     r: &Reader<'_>,
@@ -197,10 +184,5 @@ pub(super) fn write<C: Closure>(
         }
     }
     document.home = Some(target.units.home(&target.convention, &made.own_home()));
-    document.mounting = made.mounting().map(|(base, on_platform)| {
-        let (base_position, base_rotation) = target.units.six(base.coordinates());
-        let (target_position, target_rotation) = target.units.six(on_platform.coordinates());
-        MountingSection { base_position, base_rotation, target_position, target_rotation }
-    });
     true
 }

@@ -5,10 +5,9 @@ use super::file_kind::{FileKind, Made, Source, Target};
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
-use crate::files::mechanism::sections::{MountingSection, ParameterEntry};
+use crate::files::mechanism::sections::ParameterEntry;
 use crate::measurement::Frames;
 use crate::mechanism::{Mechanism, ParameterSpec};
-use crate::pose::Pose;
 
 /// A mechanism that a program defines.
 pub(crate) const KIND: FileKind = FileKind {
@@ -36,16 +35,7 @@ fn read(source: &Source<'_>, _warned: &mut Vec<String>) -> Result<Made, FileErro
     }
     let home = home.map_or_else(|| own.home(), |q| convention.pose(&q));
     let drawn = own.with_values(&values(r, own.parameters(), &document.parameters)?, home).map_err(geometry)?;
-    let mechanism = match &document.mounting {
-        None => drawn,
-        Some(m) => {
-            let base = r.six("[mounting] base", &m.base_position, &m.base_rotation)?;
-            let target = r.six("[mounting] target", &m.target_position, &m.target_rotation)?;
-            let mounted = drawn.mounted(&Pose::from_coordinates(&base), &Pose::from_coordinates(&target));
-            mounted.ok_or_else(|| r.value("[mounting]", "does not apply to this mechanism; delete it"))?
-        }
-    };
-    Ok((mechanism, Some(nominal)))
+    Ok((drawn, Some(nominal)))
 }
 
 /// The value of each parameter, SI.
@@ -82,10 +72,5 @@ fn write(mechanism: &dyn Mechanism, target: &Target, document: &mut MechanismDoc
         None => mechanism.home(),
     };
     document.home = Some(target.units.home(&target.convention, &home));
-    document.mounting = mounting.map(|(base, place)| {
-        let (base_position, base_rotation) = target.units.six(base.coordinates());
-        let (target_position, target_rotation) = target.units.six(place.coordinates());
-        MountingSection { base_position, base_rotation, target_position, target_rotation }
-    });
     true
 }

@@ -17,7 +17,7 @@ pub(crate) const KIND: FileKind = FileKind {
     label: "six legs of variable length",
     needed: &["length"],
     optional: &["length_offset", "stroke", "nominal"],
-    parts: &["[[leg]]"],
+    parts: &["[[leg]]", "[mounting]"],
     points_move: true,
     example: Some(include_str!("../examples/six-hardpoint.toml")),
     read,
