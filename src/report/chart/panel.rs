@@ -119,7 +119,7 @@ impl<'a> Layout<'a> {
         self.grid(canvas, &plot);
         self.marks(canvas, &plot, marked);
         canvas.path("axis", &self.frame_lines(&plot), None);
-        rules::draw(canvas, &plot, &self.panel.rules, &self.markers(&plot));
+        rules::draw(canvas, &plot, self.panel, &self.markers(&plot));
         if self.empty {
             canvas.text(&TICK, plot_x + plot_width / 2.0, plot_y + height / 2.0, "no data");
         }
