@@ -34,11 +34,7 @@ fn within(outer: &[f64], inner: &[f64]) -> [f64; 6] {
     let (a, b) = (rotation(&outer[3..]), rotation(&inner[3..]));
     let product = |i: usize, j: usize| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>();
     let place = |i: usize| outer[i] + (0..3).map(|k| a[i][k] * inner[k]).sum::<f64>();
-    let turn = [
-        product(2, 1).atan2(product(2, 2)),
-        (-product(2, 0)).asin(),
-        product(1, 0).atan2(product(0, 0)),
-    ];
+    let turn = [product(2, 1).atan2(product(2, 2)), (-product(2, 0)).asin(), product(1, 0).atan2(product(0, 0))];
     [place(0), place(1), place(2), turn[0].to_degrees(), turn[1].to_degrees(), turn[2].to_degrees()]
 }
 
@@ -84,7 +80,10 @@ pub struct Pages {
 impl Pages {
     pub fn make(out: &Path) -> Self {
         let measure = |poses: &str, name: &str, errors: &str| {
-            run(out, &format!("simulate {{hexapod}} --poses {poses} -o {{out}}/{name}-base.csv --error-sd 0.3mm {errors}"));
+            run(
+                out,
+                &format!("simulate {{hexapod}} --poses {poses} -o {{out}}/{name}-base.csv --error-sd 0.3mm {errors}"),
+            );
             let text = std::fs::read_to_string(out.join(format!("{name}-base.csv"))).unwrap();
             std::fs::write(out.join(format!("{name}.csv")), seen_by_tracker(&text)).unwrap();
         };
@@ -153,7 +152,9 @@ impl Pages {
             assert!((drawing + deviation - identified).abs() < 2e-4 && deviation.abs() < 5.0 * TOLERANCE, "{row}");
         }
         // The frames are those of the tracker.
-        let frames = browser.evaluate("[...document.querySelectorAll('#frames tbody tr')].map(r => [...r.cells].map(c => c.textContent))");
+        let frames = browser.evaluate(
+            "[...document.querySelectorAll('#frames tbody tr')].map(r => [...r.cells].map(c => c.textContent))",
+        );
         for (row, stated) in [(0, BASE), (1, TARGET)] {
             for (k, wanted) in stated.iter().enumerate() {
                 let found = number(&frames[row][k + 1]);

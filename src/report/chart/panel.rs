@@ -13,8 +13,10 @@ const TITLE: Font = Font { bold: true, ..Font::new(15.0, "t", Anchor::Start) };
 const LABEL: Font = Font::new(13.0, "t", Anchor::Start);
 /// Font of the tick labels.
 pub(super) const TICK: Font = Font::new(12.0, "m", Anchor::Middle);
-/// Longest names of categories beside a y axis, and upright ones below an x axis.
+/// Longest names of categories beside a y axis.
 pub(super) const NAME: f64 = 150.0;
+/// Longest upright names of categories below an x axis.
+pub(super) const UPRIGHT: f64 = 280.0;
 
 /// The y axes of a panel and the room their tick labels need.
 #[derive(Debug)]

@@ -29,6 +29,13 @@ pub(super) fn typeset(html: &str) -> String {
     out
 }
 
+/// A text of a picture with printed units, which stay on the line of their number.
+pub(super) fn in_print(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    units(text, false, &mut out);
+    UNITS.iter().fold(out, |text, (_, unit)| text.replace(&format!(" {unit}"), &format!("\u{a0}{unit}")))
+}
+
 /// Appends a text with printed units: those behind a number, and those alone in parentheses.
 fn units(text: &str, aligned: bool, out: &mut String) {
     let begin = out.len();
@@ -83,7 +90,7 @@ fn append(out: &mut String, begin: usize, name: &str, printed: &str, aligned: bo
 
 #[cfg(test)]
 mod tests {
-    use super::typeset;
+    use super::{in_print, typeset};
 
     #[test]
     fn units_behind_numbers_are_printed_and_names_stay() {
@@ -104,6 +111,11 @@ mod tests {
         for (text, wanted) in cases {
             assert_eq!(typeset(text), wanted);
         }
+    }
+
+    #[test]
+    fn units_in_pictures_stay_with_their_number() {
+        assert_eq!(in_print("the largest is < 15.9 um or 3 deg"), "the largest is < 15.9\u{a0}µm or 3°");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The mechanism in perspective.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 
 use super::{ModelResiduals, Standing, round_up};
@@ -7,6 +9,7 @@ use crate::measurement::DataRow;
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::Pose;
 use crate::report::chart::{Arrow, LineSegment, Scene, Silhouette, Triad};
+use crate::report::html::typeset::in_print;
 use crate::units::{show_length, three_digits};
 
 /// Longest arrow and widest spread of the poses, in radii of the platform.
@@ -111,7 +114,7 @@ pub(in crate::report::html) fn drawing(
     }
     notes.push("Drawn in the base frame.".into());
     notes.extend(add_instrument(&mut scene, standing, size));
-    scene.note = notes.join(" ");
+    scene.note = in_print(&notes.join(" "));
     Some(scene)
 }
 
@@ -182,6 +185,8 @@ fn add_instrument(scene: &mut Scene, standing: &Standing, size: f64) -> Option<S
     if way.xy().norm() > LEVEL * way.norm() {
         way.z = 0.0;
     }
+    // Seen from here the arrow points to the right, a little to the front.
+    scene.view.azimuth = way.y.atan2(way.x) - FRAC_PI_2 + 0.35;
     let toward = way / way.norm().max(f64::MIN_POSITIVE);
     let [foot, head] = [1.15, 1.75].map(|part| middle + toward * (part * reach).min(way.norm()));
     scene.arrows.push(Arrow {

@@ -5,6 +5,7 @@ use crate::identification::SampleError;
 use crate::measurement::DataRow;
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::report::html::typeset::in_print;
 use crate::units::{show_angle, show_length};
 
 /// Coordinates that make a map: name, its place in the pose, unit.
@@ -44,7 +45,7 @@ pub(in crate::report::html) fn maps(
                     format!(
                         "{}; the largest circle is {}{}",
                         model.name,
-                        show(largest),
+                        in_print(&show(largest)),
                         if gross.is_empty() { "" } else { " or a gross error" }
                     ),
                     colour,
