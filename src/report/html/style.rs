@@ -14,7 +14,7 @@ dl.numbers{display:grid;grid-template-columns:repeat(auto-fill,minmax(16rem,1fr)
 .numbers.five{grid-template-columns:repeat(auto-fill,minmax(12.8rem,1fr))}
 .numbers div{border:1px solid var(--line);border-radius:.4rem;padding:.5rem .9rem}
 .numbers dt{color:var(--dim);font-size:.875rem}.numbers dd{margin:0;font-size:1.25rem;font-variant-numeric:tabular-nums}
-.numbers dd.meaning{color:var(--dim);font-size:.8125rem;line-height:1.35}
+.numbers dd.meaning{color:var(--dim);font-size:.875rem;line-height:1.35}
 .verdict{font-size:1.25rem;font-weight:bold;border-left:.4rem solid;padding-left:.8rem}
 dt{color:var(--dim)}dd{margin:0 0 .5rem}
 @media(max-width:44rem){table{font-size:.875rem}th,td{padding:.3rem .4rem}th:first-child,td:first-child{padding-left:0}}

@@ -121,6 +121,6 @@ mod tests {
     #[test]
     fn columns_stay_aligned() {
         let text = "<pre>RMS  9.15 um  1.65 arcsec\nmax  15.9 um  75.1 deg\n</pre>";
-        assert_eq!(typeset(text), "<pre>RMS  9.15 µm       1.65″\nmax  15.9 µm    75.1°\n</pre>");
+        assert_eq!(typeset(text), "<pre>RMS  9.15 µm        1.65″\nmax  15.9 µm     75.1°\n</pre>");
     }
 }

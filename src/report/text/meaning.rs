@@ -10,13 +10,13 @@ const TRAVEL: f64 = 0.01;
 const TILT: f64 = TAU / 360.0;
 
 /// What was found and what to look at, with the identified values.
-pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
-    let Place { part, moves } = Place::of(d, c.leg);
+fn meaning(joints: &[String], c: &Cause) -> String {
+    let Place { part, moves } = Place::of(joints, c.leg);
     let first = c.parameters.first();
     let value = first.map_or(0.0, |p| p.value);
     let size = first.map_or_else(String::new, |p| show_quantity(p.value.abs(), p.dimension));
     let row = c.row.map_or_else(String::new, |row| row.to_string());
-    let from = if c.row.is_some() { format!(" at data row {row}") } else { String::new() };
+    let from = if row.is_empty() { row } else { format!(" at data row {row}") };
     let of = c.of.as_deref().unwrap_or("a temperature");
     let grow = if value < 0.0 { "shrink" } else { "grow" };
     let [less, longer] = if value < 0.0 { ["less", moves[0]] } else { ["more", moves[1]] };
@@ -50,7 +50,7 @@ pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
              of the tracker against a gauge."
         ),
         "scale.per_leg" => {
-            let (worst, p) = largest(d, &c.parameters);
+            let (worst, p) = largest(joints, &c.parameters);
             let less = if p < 0.0 { "less" } else { "more" };
             format!(
                 "Each leg moves by a scale of its own, most of all {worst}, by {} {less} than commanded: enter the factors \
@@ -59,7 +59,7 @@ pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
             )
         }
         "length.quadratic" => {
-            let (worst, p) = largest(d, &c.parameters);
+            let (worst, p) = largest(joints, &c.parameters);
             format!(
                 "The scales of the legs are bent, most of all that of {worst}, by {} at {} from home: calibrate the \
                  encoders against a linear reference, or enter the curvature in the controller.",
@@ -68,7 +68,7 @@ pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
             )
         }
         "cyclic.pitch" => {
-            let (worst, amplitude) = waves(d, &c.parameters);
+            let (worst, amplitude) = waves(joints, &c.parameters);
             format!(
                 "The screws wobble with every turn, most of all that of {worst}, by ±{}: compensate the wave in the \
                  controller, or read the legs with linear encoders.",
@@ -76,7 +76,7 @@ pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
             )
         }
         "backlash" => {
-            let (worst, p) = largest(d, &c.parameters);
+            let (worst, p) = largest(joints, &c.parameters);
             let dimension = c.parameters.first().map_or(Dimension::Length, |p| p.dimension);
             format!(
                 "There is play where legs turn round, most of all {} at {worst}: approach every pose from the same side, \
@@ -88,7 +88,7 @@ pub(in crate::report) fn meaning(d: &Diagnosis, c: &Cause) -> String {
             "Moves shorter than {} are lost in the play of the legs, most of all at {}: preload the joints, or approach \
              every pose with a long move from the same side.",
             c.of.as_deref().map_or_else(|| "the play".into(), |width| width.replace("um", " um")),
-            largest(d, &c.parameters).0
+            largest(joints, &c.parameters).0
         ),
         "compliance.gravity" => format!(
             "The legs give way by {size} under the weight of the platform, and differently at each elevation: correct for \
@@ -157,9 +157,9 @@ struct Place {
 }
 
 impl Place {
-    fn of(d: &Diagnosis, leg: Option<usize>) -> Self {
+    fn of(joints: &[String], leg: Option<usize>) -> Self {
         let Some(leg) = leg else { return Self { part: "One leg".into(), moves: ["shorter", "longer"] } };
-        match d.joints.get(leg).and_then(|name| name.strip_prefix("cmd_")) {
+        match joints.get(leg).and_then(|name| name.strip_prefix("cmd_")) {
             Some(coordinate) => Self { part: format!("The coordinate {coordinate}"), moves: ["minus", "plus"] },
             None => Self { part: format!("Leg {}", leg + 1), moves: ["shorter", "longer"] },
         }
@@ -179,23 +179,23 @@ fn both(c: &Cause) -> String {
 }
 
 /// The leg with the largest value, and that value.
-fn largest(d: &Diagnosis, parameters: &[CauseParameter]) -> (String, f64) {
+fn largest(joints: &[String], parameters: &[CauseParameter]) -> (String, f64) {
     let all = parameters.iter().enumerate();
     let (leg, value) =
         all.map(|(k, p)| (k, p.value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0));
-    (called(d, leg), value)
+    (called(joints, leg), value)
 }
 
 /// The leg whose wave is the largest, and its amplitude: sines of all legs, then cosines.
-fn waves(d: &Diagnosis, parameters: &[CauseParameter]) -> (String, f64) {
+fn waves(joints: &[String], parameters: &[CauseParameter]) -> (String, f64) {
     let (sines, cosines) = parameters.split_at(parameters.len() / 2);
     let amplitudes = sines.iter().zip(cosines).map(|(s, c)| s.value.hypot(c.value)).enumerate();
     let (leg, amplitude) = amplitudes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
-    (called(d, leg), amplitude)
+    (called(joints, leg), amplitude)
 }
 
-fn called(d: &Diagnosis, leg: usize) -> String {
-    match d.joints.get(leg).filter(|name| !name.starts_with("leg")) {
+fn called(joints: &[String], leg: usize) -> String {
+    match joints.get(leg).filter(|name| !name.starts_with("leg")) {
         Some(name) => name.clone(),
         None => format!("leg {}", leg + 1),
     }
@@ -204,7 +204,7 @@ fn called(d: &Diagnosis, leg: usize) -> String {
 /// All named causes in their sentences, with what else it could be.
 pub(in crate::report) fn meanings(d: &Diagnosis) -> Vec<String> {
     let one = |c: &Cause| {
-        let sentence = meaning(d, c);
+        let sentence = meaning(&d.joints, c);
         match c.tied_with.is_empty() {
             true => sentence,
             false => {
@@ -215,4 +215,82 @@ pub(in crate::report) fn meanings(d: &Diagnosis) -> Vec<String> {
         }
     };
     d.causes.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::AddedVariable;
+    use crate::effect::{ActsOn, Catalogue};
+
+    fn cause(effect: &str, values: &[(f64, Dimension)]) -> Cause {
+        let parameter = |(k, (value, dimension)): (usize, &(f64, Dimension))| CauseParameter {
+            name: format!("value{}", k + 1),
+            value: *value,
+            sigma: None,
+            dimension: *dimension,
+            scale: 1.0,
+        };
+        Cause {
+            effect: effect.into(),
+            cause: "something else happens".into(),
+            remedy: "look".into(),
+            acts_on: ActsOn::Mechanism,
+            leg: Some(1),
+            row: Some(40),
+            of: Some("20um".into()),
+            parameters: values.iter().enumerate().map(parameter).collect(),
+            p_value: 0.0,
+            evidence: 1.0,
+            tied_with: Vec::new(),
+            size_over_limit: 1.0,
+            tentative: false,
+            plausible: true,
+            added_variable: AddedVariable::default(),
+        }
+    }
+
+    fn joints() -> Vec<String> {
+        (1..=6).map(|k| format!("leg{k}")).collect()
+    }
+
+    #[test]
+    fn every_effect_of_the_catalogue_has_a_sentence() {
+        let values = [(2e-5, Dimension::Length), (-3e-5, Dimension::Angle)];
+        for effect in Catalogue::standard().iter() {
+            let said = meaning(&joints(), &cause(effect.name(), &values));
+            assert!(said.starts_with(char::is_uppercase) && said.ends_with('.') && said.contains(": "), "{said}");
+            assert!(!said.contains("something else"), "{}", effect.name());
+        }
+        let said = meaning(&joints(), &cause("of.a.consumer", &values));
+        assert_eq!(said, "Something else happens (value1 20.0 um, value2 -6.19 arcsec): look.");
+    }
+
+    #[test]
+    fn sentences_state_the_values_in_units_of_their_size() {
+        let of = |effect: &str, values: &[(f64, Dimension)]| meaning(&joints(), &cause(effect, values));
+        let cases = [
+            (
+                of("thermal.leg.single", &[(1.35e-5, Dimension::PerKelvin)]),
+                "Leg 2 grows with its temperature by 13.5 ppm/K more than the others: look at its material",
+            ),
+            (of("thermal.leg.single", &[(-2e-6, Dimension::PerKelvin)]), "by 2.00 ppm/K less than"),
+            (
+                of("scale.per_leg", &[(1e-4, Dimension::None), (-9e-4, Dimension::None)]),
+                "leg 2, by 900 ppm less than commanded",
+            ),
+            (of("length.quadratic", &[(0.05, Dimension::PerLength)]), "leg 1, by 5.00 um at 10.0 mm from home"),
+            (of("cyclic.pitch", &[(3e-6, Dimension::Length), (4e-6, Dimension::Length)]), "leg 1, by ±5.00 um"),
+            (of("hysteresis.play", &[(1.0, Dimension::None)]), "shorter than 20 um are lost"),
+            (of("step.leg", &[(-4e-5, Dimension::Length)]), "Leg 2 jumped by 40.0 um at data row 40, towards shorter"),
+            (of("joint.screw_coupling", &[(8e-4, Dimension::LengthPerAngle)]), "by 5.03 mm for each turn"),
+            (of("sag.frame", &[(2e-5, Dimension::Length), (1e-5, Dimension::Angle)]), "by 20.0 um and 2.06 arcsec"),
+        ];
+        for (said, wanted) in cases {
+            assert!(said.contains(wanted), "{said}");
+        }
+        let coordinates = ["cmd_x".to_owned(), "cmd_rz".to_owned()];
+        let said = meaning(&coordinates, &cause("drift.leg", &[(1e-5, Dimension::Angle)]));
+        assert!(said.starts_with("The coordinate rz crept by 2.06 arcsec"), "{said}");
+    }
 }

@@ -83,8 +83,8 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
         "Leg by leg against the temperature of the leg",
         "Leg by leg against the elevation",
         "leg named by a cause",
-        "Leg 1 crept by 17.5 µm in the course of the run, towards shorter: check its encoder",
-        "most of all leg 6, by 899 ppm less than commanded",
+        "Leg 1 crept by 17.2 µm in the course of the run, towards shorter: check its encoder",
+        "most of all leg 6, by 898 ppm less than commanded",
         "What was recorded during the run",
         "Squares on the ground are",
     ] {
