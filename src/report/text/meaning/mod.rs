@@ -1,5 +1,8 @@
 //! What a named cause means at the machine, in a sentence for readers who read only one.
 
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::TAU;
 
 use crate::diagnosis::{Cause, CauseParameter, Diagnosis};
@@ -9,18 +12,42 @@ use crate::units::{Dimension, show_length, show_quantity};
 const TRAVEL: f64 = 0.01;
 const TILT: f64 = TAU / 360.0;
 
+/// A cause with the words for its first value and its place.
+struct Told<'a> {
+    joints: &'a [String],
+    c: &'a Cause,
+    /// The first value.
+    value: f64,
+    /// Its size.
+    size: String,
+    /// The leg as the beginning of a sentence.
+    part: String,
+    /// `grow` or `shrink`.
+    grow: &'static str,
+    /// `more` or `less`.
+    less: &'static str,
+    /// The direction of a leg.
+    longer: &'static str,
+    /// ` at data row 40`.
+    from: String,
+}
+
 /// What was found and what to look at, with the identified values.
 fn meaning(joints: &[String], c: &Cause) -> String {
-    let Place { part, moves } = Place::of(joints, c.leg);
+    let Place { part, moves: [shorter, longer] } = Place::of(joints, c.leg);
     let first = c.parameters.first();
     let value = first.map_or(0.0, |p| p.value);
     let size = first.map_or_else(String::new, |p| show_quantity(p.value.abs(), p.dimension));
-    let row = c.row.map_or_else(String::new, |row| row.to_string());
-    let from = if row.is_empty() { row } else { format!(" at data row {row}") };
-    let of = c.of.as_deref().unwrap_or("a temperature");
-    let grow = if value < 0.0 { "shrink" } else { "grow" };
-    let [less, longer] = if value < 0.0 { ["less", moves[0]] } else { ["more", moves[1]] };
-    match c.effect.as_str() {
+    let from = c.row.map_or_else(String::new, |row| format!(" at data row {row}"));
+    let [grow, less, longer] = if value < 0.0 { ["shrink", "less", shorter] } else { ["grow", "more", longer] };
+    let told = Told { joints, c, value, size, part, grow, less, longer, from };
+    [thermal, scales, play_and_joints, loads, time].iter().find_map(|of| of(&told)).unwrap_or_else(|| own(c))
+}
+
+/// Growth with temperature.
+fn thermal(told: &Told<'_>) -> Option<String> {
+    let Told { c, size, part, grow, less, .. } = told;
+    Some(match told.c.effect.as_str() {
         "thermal.legs.uniform" => format!(
             "All legs {grow} with their mean temperature by {size}: correct the commanded lengths for it, or use legs that \
              expand less."
@@ -44,10 +71,22 @@ fn meaning(joints: &[String], c: &Cause) -> String {
             "One side of the base is warmer than the other, and it {grow}s unevenly by {size}: shield it from the heat \
              source, or correct for the temperatures of its sensors."
         ),
-        "thermal.pose" => format!("The pose moves with {of} by {}: add it to the look-up table.", both(c)),
+        "thermal.pose" => format!(
+            "The pose moves with {} by {}: add it to the look-up table.",
+            c.of.as_deref().unwrap_or("a temperature"),
+            both(c)
+        ),
+        _ => return None,
+    })
+}
+
+/// Errors of the scales of the legs.
+fn scales(told: &Told<'_>) -> Option<String> {
+    let Told { joints, c, size, less, .. } = told;
+    Some(match told.c.effect.as_str() {
         "scale.common" => format!(
-            "All legs move by {size} {less} than the tracker says they should: check the lead of the screws and the scale \
-             of the tracker against a gauge."
+            "All legs move by {size} {less} than commanded, as the tracker measures it: check the lead of the screws and the \
+             scale of the tracker against a gauge."
         ),
         "scale.per_leg" => {
             let (worst, p) = largest(joints, &c.parameters);
@@ -75,6 +114,14 @@ fn meaning(joints: &[String], c: &Cause) -> String {
                 show_length(amplitude)
             )
         }
+        _ => return None,
+    })
+}
+
+/// Play and imperfect joints.
+fn play_and_joints(told: &Told<'_>) -> Option<String> {
+    let Told { joints, c, value, .. } = told;
+    Some(match told.c.effect.as_str() {
         "backlash" => {
             let (worst, p) = largest(joints, &c.parameters);
             let dimension = c.parameters.first().map_or(Dimension::Length, |p| p.dimension);
@@ -90,6 +137,24 @@ fn meaning(joints: &[String], c: &Cause) -> String {
             c.of.as_deref().map_or_else(|| "the play".into(), |width| width.replace("um", " um")),
             largest(joints, &c.parameters).0
         ),
+        "joint.pivot_shift" => format!(
+            "The centres of the joints shift as the legs tilt, by {} at one degree: correct for the square of the tilt, and \
+             do not use the model far outside of the calibrated range.",
+            show_length(value.abs() * TILT * TILT)
+        ),
+        "joint.screw_coupling" => format!(
+            "The screws turn with the legs as the platform rotates, by {} for each turn: correct the lengths for the \
+             twist, or hold the screws against turning.",
+            show_length(value.abs() * TAU)
+        ),
+        _ => return None,
+    })
+}
+
+/// Gravity and payload.
+fn loads(told: &Told<'_>) -> Option<String> {
+    let Told { c, size, .. } = told;
+    Some(match told.c.effect.as_str() {
         "compliance.gravity" => format!(
             "The legs give way by {size} under the weight of the platform, and differently at each elevation: correct for \
              the elevation, or stiffen the legs and their joints."
@@ -111,16 +176,14 @@ fn meaning(joints: &[String], c: &Cause) -> String {
              elevation.",
             both(c)
         ),
-        "joint.pivot_shift" => format!(
-            "The centres of the joints shift as the legs tilt, by {} at one degree: correct for the square of the tilt, and \
-             do not use the model far outside of the calibrated range.",
-            show_length(value.abs() * TILT * TILT)
-        ),
-        "joint.screw_coupling" => format!(
-            "The screws turn with the legs as the platform rotates, by {} for each turn: correct the lengths for the \
-             twist, or hold the screws against turning.",
-            show_length(value.abs() * TAU)
-        ),
+        _ => return None,
+    })
+}
+
+/// What changes with time alone.
+fn time(told: &Told<'_>) -> Option<String> {
+    let Told { c, size, part, longer, from, .. } = told;
+    Some(match told.c.effect.as_str() {
         "drift.frame" => format!(
             "The tracker, or what it stands on, drifted by {} in the course of the run: let it warm up, and repeat a \
              reference pose every ten samples.",
@@ -137,8 +200,8 @@ fn meaning(joints: &[String], c: &Cause) -> String {
         "step.leg" => format!(
             "{part} jumped by {size}{from}, towards {longer}: tighten its coupling, home it, and split the file there."
         ),
-        _ => own(c),
-    }
+        _ => return None,
+    })
 }
 
 /// The sentence of an effect that is not in the catalogue of this crate.
@@ -215,82 +278,4 @@ pub(in crate::report) fn meanings(d: &Diagnosis) -> Vec<String> {
         }
     };
     d.causes.iter().map(one).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::AddedVariable;
-    use crate::effect::{ActsOn, Catalogue};
-
-    fn cause(effect: &str, values: &[(f64, Dimension)]) -> Cause {
-        let parameter = |(k, (value, dimension)): (usize, &(f64, Dimension))| CauseParameter {
-            name: format!("value{}", k + 1),
-            value: *value,
-            sigma: None,
-            dimension: *dimension,
-            scale: 1.0,
-        };
-        Cause {
-            effect: effect.into(),
-            cause: "something else happens".into(),
-            remedy: "look".into(),
-            acts_on: ActsOn::Mechanism,
-            leg: Some(1),
-            row: Some(40),
-            of: Some("20um".into()),
-            parameters: values.iter().enumerate().map(parameter).collect(),
-            p_value: 0.0,
-            evidence: 1.0,
-            tied_with: Vec::new(),
-            size_over_limit: 1.0,
-            tentative: false,
-            plausible: true,
-            added_variable: AddedVariable::default(),
-        }
-    }
-
-    fn joints() -> Vec<String> {
-        (1..=6).map(|k| format!("leg{k}")).collect()
-    }
-
-    #[test]
-    fn every_effect_of_the_catalogue_has_a_sentence() {
-        let values = [(2e-5, Dimension::Length), (-3e-5, Dimension::Angle)];
-        for effect in Catalogue::standard().iter() {
-            let said = meaning(&joints(), &cause(effect.name(), &values));
-            assert!(said.starts_with(char::is_uppercase) && said.ends_with('.') && said.contains(": "), "{said}");
-            assert!(!said.contains("something else"), "{}", effect.name());
-        }
-        let said = meaning(&joints(), &cause("of.a.consumer", &values));
-        assert_eq!(said, "Something else happens (value1 20.0 um, value2 -6.19 arcsec): look.");
-    }
-
-    #[test]
-    fn sentences_state_the_values_in_units_of_their_size() {
-        let of = |effect: &str, values: &[(f64, Dimension)]| meaning(&joints(), &cause(effect, values));
-        let cases = [
-            (
-                of("thermal.leg.single", &[(1.35e-5, Dimension::PerKelvin)]),
-                "Leg 2 grows with its temperature by 13.5 ppm/K more than the others: look at its material",
-            ),
-            (of("thermal.leg.single", &[(-2e-6, Dimension::PerKelvin)]), "by 2.00 ppm/K less than"),
-            (
-                of("scale.per_leg", &[(1e-4, Dimension::None), (-9e-4, Dimension::None)]),
-                "leg 2, by 900 ppm less than commanded",
-            ),
-            (of("length.quadratic", &[(0.05, Dimension::PerLength)]), "leg 1, by 5.00 um at 10.0 mm from home"),
-            (of("cyclic.pitch", &[(3e-6, Dimension::Length), (4e-6, Dimension::Length)]), "leg 1, by ±5.00 um"),
-            (of("hysteresis.play", &[(1.0, Dimension::None)]), "shorter than 20 um are lost"),
-            (of("step.leg", &[(-4e-5, Dimension::Length)]), "Leg 2 jumped by 40.0 um at data row 40, towards shorter"),
-            (of("joint.screw_coupling", &[(8e-4, Dimension::LengthPerAngle)]), "by 5.03 mm for each turn"),
-            (of("sag.frame", &[(2e-5, Dimension::Length), (1e-5, Dimension::Angle)]), "by 20.0 um and 2.06 arcsec"),
-        ];
-        for (said, wanted) in cases {
-            assert!(said.contains(wanted), "{said}");
-        }
-        let coordinates = ["cmd_x".to_owned(), "cmd_rz".to_owned()];
-        let said = meaning(&coordinates, &cause("drift.leg", &[(1e-5, Dimension::Angle)]));
-        assert!(said.starts_with("The coordinate rz crept by 2.06 arcsec"), "{said}");
-    }
 }
