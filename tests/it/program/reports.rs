@@ -74,7 +74,6 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
     assert!(printed.contains("NAMED: scale.per_leg and drift.leg at leg 1."));
     for shown in [
         "NAMED: scale.per_leg and drift.leg at leg 1.",
-        "What to do:",
         "scale6",
         "Detection limits",
         "held out",
