@@ -119,6 +119,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     let subject = Subject {
         mechanism: calibrated.mechanism.as_ref(),
+        frames: html::frames_of(calibrated.mechanism.as_ref(), nominal),
         convention: &machine.convention,
         condition_kinds: machine.condition_kinds(),
         noise: machine.noise.map(|n| [n.position, n.rotation]),

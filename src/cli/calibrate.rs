@@ -8,6 +8,8 @@ use crate::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, deviations, identifier,
 };
+use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
 use crate::report::html::{self, Measured, ModelResiduals, Page};
 use crate::report::{json, text};
 use anyhow::{Context, Result, bail};
@@ -178,9 +180,13 @@ fn page(args: &Args, ui: &Ui, machine: &Machine, measurement: &Measurement, resu
     let about = |error| about(error, machine, &args.data, data);
     let aligned = data.with_frames(result.registration.frames);
     let own = result.identification.own_values();
+    let seen = |name: &str, mechanism: &dyn Mechanism, own: &[f64], data: &Dataset| {
+        let residuals = ModelResiduals::new(name, mechanism, own, data).map_err(about)?;
+        Ok::<_, anyhow::Error>(residuals.in_base(&html::frames_of(mechanism, machine.commander())))
+    };
     let models = [
-        ModelResiduals::new("calibrated", result.mechanism.as_ref(), &own, data).map_err(about)?,
-        ModelResiduals::new("as given", machine.mechanism.as_ref(), &[], &aligned).map_err(about)?,
+        seen("calibrated", result.mechanism.as_ref(), &own, data)?,
+        seen("as given", machine.mechanism.as_ref(), &[], &aligned)?,
     ];
     let settings =
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));

@@ -114,5 +114,6 @@ pub(crate) fn page_subject<'a>(
     let noise = machine.noise.as_ref().filter(|n| n.joint == 0.0).map(|n| [n.position, n.rotation]);
     let warnings = ui.warnings.borrow().clone();
     let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
-    html::Subject { mechanism, convention, condition_kinds, noise, warnings, settings }
+    let frames = html::frames_of(mechanism, machine.commander());
+    html::Subject { mechanism, frames, convention, condition_kinds, noise, warnings, settings }
 }

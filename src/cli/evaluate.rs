@@ -41,9 +41,10 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ui.warn(&format!("the errors are as large as the mechanism; {}", measurement.kind.advice_on_frames()));
     }
     if let Some(path) = &args.report {
-        let models = [ModelResiduals::new("model", mechanism, &[], &measurement.data).map_err(wrong)?];
         let subject =
             page_subject(ui, &machine, mechanism, settings(None, machine.inputs().iter().chain([&args.data])));
+        let residuals = ModelResiduals::new("model", mechanism, &[], &measurement.data).map_err(wrong)?;
+        let models = [residuals.in_base(&subject.frames)];
         let measured = Measured { data: &measurement.data, models: &models };
         outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
         ui.write(outputs)?;

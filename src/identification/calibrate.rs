@@ -86,7 +86,7 @@ pub fn calibrate(
     let predicted = predict(mechanism, data, &found, workspace, &frames, options)?;
     let of_drawing = drawing_error(mechanism, &found, tolerance_factors, workspace, options);
     if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
-        judge_prediction(&mut verdict, predicted, of_drawing);
+        judge_prediction(&mut verdict, predicted, of_drawing, &after);
     }
     let result = Calibration {
         measurement: data.model().describe(),

@@ -2,6 +2,8 @@
 // {width, dark, paper}.
 (async view => {
   await document.fonts.ready;
+  // What is folded must be legible as well.
+  for (const folded of document.querySelectorAll('details')) folded.open = true;
   const faults = [];
   const fault = (kind, text) => faults.push(`${kind}: ${text}`);
   const short = text => JSON.stringify(text.replace(/\s+/g, ' ').trim().slice(0, 60));

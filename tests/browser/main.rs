@@ -7,6 +7,7 @@
 
 mod broken;
 mod devtools;
+mod tracker;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -88,9 +89,12 @@ fn pages_are_whole_and_legible_in_every_view() {
     let Some(program) = devtools::find() else { return };
     let folder = tempfile::tempdir().unwrap();
     let made = PAGES.iter().map(|(name, calls)| make(name, calls, folder.path()));
-    let pages: Vec<PathBuf> = made.chain([paper(folder.path())]).chain(further()).collect();
+    let of_tracker = tracker::Pages::make(folder.path());
+    let pages = made.chain([paper(folder.path())]).chain(of_tracker.all()).chain(further());
+    let pages: Vec<PathBuf> = pages.collect();
     let pictures = std::env::var_os("PARACAL_SCREENSHOTS").filter(|f| !f.is_empty()).map(PathBuf::from);
     let mut browser = Browser::start(&program);
+    of_tracker.check(&mut browser);
     let mut faults = Vec::new();
     for page in &pages {
         let name = page.file_stem().unwrap().to_str().unwrap();

@@ -120,6 +120,10 @@ fn verdict(causes: &[Cause], unknown: Option<&Unknown>) -> Verdict {
     }
 }
 
+/// What is said where tracker or target are elsewhere than the mechanism file has them.
+pub(crate) const IN_ANOTHER_FRAME: &str = "the data are in a different frame from the mechanism file; causes act in the base frame \
+                                    of the file, and an extended model is written in that frame";
+
 /// What the user should know of frames, noise and tolerances.
 fn warnings(
     subject: &Hypotheses<'_>,
@@ -129,11 +133,7 @@ fn warnings(
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     if registration.applied {
-        warnings.push(
-            "the data are in a different frame from the mechanism file; causes act in the base frame of the file, and \
-             an extended model is written in that frame"
-                .into(),
-        );
+        warnings.push(IN_ANOTHER_FRAME.into());
     }
     // What no name explains changes the ratio too.
     if let (Some([position, rotation]), None) = (state.spreads.kinds, unknown) {

@@ -2,6 +2,7 @@
 
 use crate::identification::estimators::identification::Identification;
 use crate::identification::judgement::drawing::{DrawingTest, widened_in_words};
+use crate::identification::judgement::model_errors::ErrorSummary;
 use crate::identification::problem::prior::PriorPolicy;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::Mechanism;
@@ -82,9 +83,6 @@ pub(crate) fn judge(
     CalibrationVerdict { trusted: reasons.is_empty(), reasons, warnings }
 }
 
-/// The predicted error must be smaller than this part of that of the drawing, or nothing was learned.
-const LEARNED: f64 = 0.5;
-
 /// What the agreement with the drawing says.
 pub(crate) fn judge_drawing(
     verdict: &mut CalibrationVerdict,
@@ -121,10 +119,17 @@ pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, seen: usize, paramet
     }
 }
 
-/// What the predicted error says, against that of the drawing.
-pub(crate) fn judge_prediction(verdict: &mut CalibrationVerdict, predicted: &PredictedError, drawing: &PredictedError) {
-    let left = |now: f64, before: f64| before > 0.0 && now > LEARNED * before;
-    if left(predicted.position_rms, drawing.position_rms) || left(predicted.rotation_rms, drawing.rotation_rms) {
+/// What the predicted error says, against that of the drawing: of what was `measured`, positions or rotations, something must
+/// have been learned.
+pub(crate) fn judge_prediction(
+    verdict: &mut CalibrationVerdict,
+    predicted: &PredictedError,
+    drawing: &PredictedError,
+    measured: &ErrorSummary,
+) {
+    let position = measured.position.is_some() && predicted.position_rms >= drawing.position_rms;
+    let rotation = measured.rotation.is_some() && predicted.rotation_rms >= drawing.rotation_rms;
+    if position || rotation {
         verdict.distrust(format!(
             "the data tell little that the drawing does not: the predicted error is {} and {}, that of the drawing with \
              its tolerances {} and {}; measure more and other poses",

@@ -5,6 +5,10 @@ use crate::identification::judgement::held_out::Holdout;
 use crate::identification::judgement::plausibility::Implausible;
 use crate::measurement::Dataset;
 
+/// What is said where tracker or target are elsewhere than the mechanism file has them.
+pub(crate) const IN_ANOTHER_FRAME: &str = "the data are in another frame than the mechanism file; the calibrated model is in the \
+                                    frames of the measurement (see frames)";
+
 /// Adds what the whole calibration says.
 pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
@@ -12,11 +16,7 @@ pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
         warnings.push("errors on held-out rows are not available: without them, the remaining rows do not determine the parameters".into());
     }
     if result.registration.applied {
-        warnings.push(
-            "the data are in another frame than the mechanism file; the calibrated model is in the frames of the measurement \
-             (see frames)"
-                .into(),
-        );
+        warnings.push(IN_ANOTHER_FRAME.into());
     }
     let implausible = &result.plausibility.implausible;
     let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;

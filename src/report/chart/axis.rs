@@ -127,19 +127,21 @@ impl View {
             let minor = if step == 1 { grid(&digits) } else { grid(&[1.0]) };
             self.minor = minor.into_iter().map(|(f, e)| f * ten(e)).collect();
         }
-        if decades >= 1.5 && whole.len() >= 2 {
+        let few = grid(&[1.0, 2.0, 5.0]);
+        // Two or three decades alone say little; their halves fit in between, if there is room.
+        let sparse = whole.len() < 4 && few.len() <= 2 * most;
+        if decades >= 1.5 && whole.len() >= 2 && !sparse {
             let plain = lo >= 0.0099 && hi <= 10_100.0;
             let label = |e: i32| if plain { plain_number(1.0, e) } else { power(1.0, e) };
             self.ticks = whole.into_iter().map(|e| Tick { at: ten(e), text: label(e) }).collect();
             return;
         }
         let plain = lo >= 0.00099 && hi <= 101_000.0;
-        let few = grid(&[1.0, 2.0, 5.0]);
         let chosen = if few.len() < 3 { grid(&digits) } else { few };
         let label = |f: f64, e: i32| if plain { plain_number(f, e) } else { power(f, e) };
         self.ticks = chosen.into_iter().map(|(f, e)| Tick { at: f * ten(e), text: label(f, e) }).collect();
-        if self.ticks.len() < 2 {
-            // A narrow range between two of these: the ticks of a linear axis.
+        if self.ticks.len() < 3 {
+            // A narrow range between two or three of these: the ticks of a linear axis.
             let (step, e) = nice_step((hi - lo) / most.min(5) as f64);
             self.minor.clear();
             self.set_linear(&multiples(lo, hi, step), e);

@@ -13,8 +13,13 @@ pub(super) const TITLE: Font = Font { bold: true, ..Font::new(18.0, "t", Anchor:
 /// Margin around a picture.
 pub(super) const MARGIN: f64 = 16.0;
 const GAP: f64 = 30.0;
+/// Height of the line of a name, and the most names for which a plot grows.
+const NAME_HEIGHT: f64 = 16.0;
+const MOST_NAMES: usize = 60;
 /// Plots narrower than this are not drawn; the figure gets fewer columns instead.
 const NARROWEST: f64 = 130.0;
+/// Width of a picture of several columns, and of one that fills a wide screen.
+pub(super) const WIDE: f64 = 1200.0;
 /// Width of a telephone, without the margins of a page.
 const NARROW: f64 = 358.0;
 
@@ -34,6 +39,12 @@ pub(super) fn compose(figure: &Figure, id: &str) -> Canvas {
     while grid.columns > 1 && grid.plot_widths().any(|w| w < NARROWEST) {
         grid = Grid::new(&figure.panels, grid.columns - 1);
     }
+    draw(figure, id, grid, shared_legend(&figure.panels).as_deref())
+}
+
+/// Draws the figure in one column, as wide as a wide screen.
+pub(super) fn compose_wide(figure: &Figure, id: &str) -> Canvas {
+    let grid = Grid::of(&figure.panels, 1, WIDE, 16.0, 360.0);
     draw(figure, id, grid, shared_legend(&figure.panels).as_deref())
 }
 
@@ -57,11 +68,13 @@ fn draw(figure: &Figure, id: &str, grid: Grid, shared: Option<&[Entry]>) -> Canv
         y += legend.height + if legend.height > 0.0 { 12.0 } else { 0.0 };
     }
     let (columns, frames, height) = (grid.columns, grid.frames(), grid.plot_height);
+    let alone = [grid.alone()];
     let mut sides = grid.sides.into_iter();
     for row in figure.panels.chunks(columns) {
+        let frames = if row.len() == 1 { alone.as_slice() } else { &frames };
         let layouts: Vec<Layout<'_>> = row
             .iter()
-            .zip(&frames)
+            .zip(frames)
             .zip(sides.by_ref().take(row.len()))
             .map(|((panel, frame), sides)| {
                 let own = if shared.is_some() { Vec::new() } else { entries(panel) };
@@ -112,7 +125,7 @@ impl Grid {
             2 => 260.0,
             _ => 210.0,
         };
-        Self::of(panels, columns, if columns == 1 { 880.0 } else { 1200.0 }, 16.0, plot_height)
+        Self::of(panels, columns, if columns == 1 { 880.0 } else { WIDE }, 16.0, plot_height)
     }
 
     /// One column, wider than a telephone only where the labels leave no room for a plot.
@@ -124,6 +137,9 @@ impl Grid {
     }
 
     fn of(panels: &[Panel], columns: usize, width: f64, margin: f64, plot_height: f64) -> Self {
+        // Every name beside a plot has a line of its own.
+        let names = panels.iter().map(|p| p.y.names.len()).max().unwrap_or(0).min(MOST_NAMES);
+        let plot_height = plot_height.max(NAME_HEIGHT * names as f64);
         let sides: Vec<Sides> = panels.iter().map(|p| Sides::new(p, plot_height)).collect();
         let mut rooms = vec![(0.0_f64, 0.0_f64); columns];
         for row in sides.chunks(columns) {
@@ -140,6 +156,13 @@ impl Grid {
 
     fn plot_widths(&self) -> impl Iterator<Item = f64> {
         self.rooms.iter().map(|(left, right)| self.panel_width() - left - right)
+    }
+
+    /// The frame of a panel that has a row for itself.
+    fn alone(&self) -> Frame {
+        let (left, right) = self.rooms.first().copied().unwrap_or_default();
+        let width = self.width - 2.0 * self.margin;
+        Frame { x: self.margin, width, plot_x: self.margin + left, plot_width: width - left - right }
     }
 
     fn frames(&self) -> Vec<Frame> {

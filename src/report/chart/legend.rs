@@ -2,6 +2,7 @@
 
 use super::marks::{arrow, marker, marker_class, palette_class};
 use super::number::{width, wrap};
+use super::rules::legend_label;
 use super::svg::{Anchor, Canvas, Font, num};
 use super::{Panel, Shape};
 
@@ -26,6 +27,8 @@ pub(super) enum Look {
     /// A thick line with a joint at each end.
     Leg,
     Arrow,
+    /// The dotted line of a rule.
+    Rule,
 }
 
 impl Look {
@@ -60,6 +63,9 @@ pub(super) fn entries(panel: &Panel) -> Vec<Entry> {
             Some(entry) => entry.looks.push(look),
             None => all.push(Entry { name: series.name.clone(), looks: vec![look] }),
         }
+    }
+    if let Some(label) = legend_label(panel) {
+        all.push(Entry { name: label.to_owned(), looks: vec![(0, Look::Rule)] });
     }
     all
 }
@@ -140,6 +146,7 @@ fn swatch(canvas: &mut Canvas, (colour, look): (usize, Look), x: f64, y: f64, ma
         }
         Look::Dots => canvas.path(marker_class(), &mark(4.2), None),
         Look::Bubbles => canvas.path("over", &marker(0, middle, y, 6.0), None),
+        Look::Rule => canvas.path("rule", &line, None),
         Look::Thin => canvas.stroke("edge", Some(1.1), &line, None),
         Look::Leg => {
             canvas.stroke("edge", Some(4.0), &format!("M{} {}h{}", num(x + 4.0), num(y), SWATCH - 8.0), None);

@@ -65,12 +65,21 @@ impl Figure {
     }
 
     /// The picture for a page: the whole one for wide screens, and for narrow ones and for paper its panels one by one,
-    /// at a size at which their texts can still be read. [`PAGE_STYLE`] shows the one that fits.
+    /// at a size at which their texts can still be read; a picture of a single column is drawn once more as wide as a wide
+    /// screen. [`PAGE_STYLE`] shows the one that fits.
     #[must_use]
     pub fn html_with_id(&self, id: &str) -> String {
         let whole = figure::compose(self, id);
-        let few = if whole.width < 1000.0 { " few" } else { "" };
-        let mut html = format!("<div class=\"whole{few}\">{}</div>", whole.finish(&self.title, &self.description));
+        let alone = whole.width < figure::WIDE;
+        let few = if alone { " few" } else { "" };
+        let mut html = String::new();
+        if alone {
+            let wide = figure::compose_wide(self, &format!("{id}-wide")).finish(&self.title, &self.description);
+            html.push_str(&format!("<div class=\"full\">{wide}</div>"));
+        }
+        let middle = if alone { " middle" } else { "" };
+        let drawn = whole.finish(&self.title, &self.description);
+        html.push_str(&format!("<div class=\"whole{few}{middle}\">{drawn}</div>"));
         html.push_str(&format!("<div class=\"panels{few}\">"));
         if !self.title.is_empty() {
             html.push_str(&format!("<p><strong>{}</strong></p>", svg::escape(&self.title)));
@@ -90,10 +99,10 @@ impl Figure {
 /// Style sheet for pages with figures from [`Figure::html_with_id`]. The widths are those from which on the texts
 /// of a picture, which shrinks with the page, have nine pixels or more.
 pub const PAGE_STYLE: &str = "\
-.whole{display:none}.panels{display:flex;flex-wrap:wrap;gap:.5rem 1rem}.panels>p{flex:1 0 100%;margin:0}
+.full,.whole{display:none}.panels{display:flex;flex-wrap:wrap;gap:.5rem 1rem}.panels>p{flex:1 0 100%;margin:0}
 .panels>div{flex:1 1 320px;max-width:540px}.panels svg{width:100%}
 @media(min-width:44rem){.whole.few{display:block}.panels.few{display:none}}
-@media(min-width:60rem){.whole{display:block}.panels{display:none}}
+@media(min-width:60rem){.whole{display:block}.panels{display:none}.full{display:block}.whole.middle{display:none}}
 ";
 
 /// One coordinate system with its series.

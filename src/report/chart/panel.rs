@@ -13,8 +13,10 @@ const TITLE: Font = Font { bold: true, ..Font::new(15.0, "t", Anchor::Start) };
 const LABEL: Font = Font::new(13.0, "t", Anchor::Start);
 /// Font of the tick labels.
 pub(super) const TICK: Font = Font::new(12.0, "m", Anchor::Middle);
-/// Longest names of categories beside a y axis, and upright ones below an x axis.
+/// Longest names of categories beside a y axis.
 pub(super) const NAME: f64 = 150.0;
+/// Longest upright names of categories below an x axis.
+pub(super) const UPRIGHT: f64 = 280.0;
 
 /// The y axes of a panel and the room their tick labels need.
 #[derive(Debug)]
@@ -119,7 +121,7 @@ impl<'a> Layout<'a> {
         self.grid(canvas, &plot);
         self.marks(canvas, &plot, marked);
         canvas.path("axis", &self.frame_lines(&plot), None);
-        rules::draw(canvas, &plot, &self.panel.rules, &self.markers(&plot));
+        rules::draw(canvas, &plot, self.panel, &self.markers(&plot));
         if self.empty {
             canvas.text(&TICK, plot_x + plot_width / 2.0, plot_y + height / 2.0, "no data");
         }

@@ -1,18 +1,27 @@
 //! Labelled reference lines.
 
-use super::Rule;
 use super::marks::Plot;
 use super::number::{shorten, significant};
 use super::svg::{Anchor, Canvas, Font, TextBox, num};
+use super::{Panel, Rule, Shape};
 
 const FONT: Font = Font::new(12.0, "h", Anchor::Start);
 const AWAY: f64 = 5.0;
 /// Half the size of a marker, and a little.
 const MARKER: f64 = 5.0;
 
+/// The label of rules that stands in the legend, where it hides no point: the only one of a panel with markers.
+pub(super) fn legend_label(panel: &Panel) -> Option<&str> {
+    let plain = |s: &Shape| matches!(s, Shape::Line | Shape::Dashed | Shape::Band { .. });
+    let mut labels = panel.rules.iter().map(|r| r.label.trim()).filter(|label| !label.is_empty());
+    let first = labels.next()?;
+    (labels.all(|label| label == first) && panel.series.iter().any(|s| !plain(&s.shape))).then_some(first)
+}
+
 /// Draws the lines and then their labels, each at the first of the places inside the plot that are free and hide the
 /// fewest markers. A label without a place (among very many lines) remains as the tooltip of its line.
-pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule], markers: &[(f64, f64)]) {
+pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, panel: &Panel, markers: &[(f64, f64)]) {
+    let rules = &panel.rules;
     let shown = |r: &&Rule| if r.horizontal { plot.y.contains(r.at) } else { plot.x.contains(r.at) };
     for rule in rules.iter().filter(shown) {
         let d = if rule.horizontal {
@@ -23,6 +32,9 @@ pub(super) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, rules: &[Rule], markers
         let axis = if rule.horizontal { "y" } else { "x" };
         let tip = format!("{}: {axis} = {}", rule.label, significant(rule.at, 4));
         canvas.path("rule", &d, Some(tip.trim_start_matches(": ")));
+    }
+    if legend_label(panel).is_some() {
+        return;
     }
     let mut taken: Vec<TextBox> = Vec::new();
     for rule in rules.iter().filter(shown) {

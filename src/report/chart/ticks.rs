@@ -4,7 +4,7 @@ use super::Axis;
 use super::axis::{Extent, Tick, View};
 use super::marks::Plot;
 use super::number::{is_break, shorten, width, wrap};
-use super::panel::{Frame, NAME, TICK};
+use super::panel::{Frame, NAME, TICK, UPRIGHT};
 use super::svg::{Anchor, Canvas, Font, TextBox};
 
 /// The places of the tick marks, and whether they are long ones.
@@ -49,7 +49,7 @@ pub(super) fn labels_below(x: &View, frame: &Frame) -> (Vec<(f64, Vec<String>)>,
             return (all, false);
         }
         let every = (16.0 / slot.max(0.01)).ceil().max(1.0) as usize;
-        let short = |t: &Tick| (place(t.at), vec![shorten(&t.text, TICK.size, NAME)]);
+        let short = |t: &Tick| (place(t.at), vec![shorten(&t.text, TICK.size, UPRIGHT)]);
         return (x.ticks.iter().step_by(every).map(short).collect(), true);
     }
     let mut kept: Vec<(f64, Vec<String>)> = Vec::new();

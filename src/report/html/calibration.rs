@@ -1,9 +1,10 @@
 //! The page of `calibrate`.
 
-use super::page::{Page, Part, Section, Tone, known};
+use super::deviations::{in_the_drawing, judged, table};
+use super::page::{Page, Part, Section, Tile, Tone};
 use super::pictures::{Layer, ModelResiduals, correlation, deviations, gross, strips};
-use super::{Measured, Subject};
-use crate::identification::{Calibration, ModelErrors, SampleError};
+use super::{Measured, Subject, frames, tells_of_frames};
+use crate::identification::{Calibration, ErrorSummary, ModelErrors, SampleError};
 use crate::measurement::DataRow;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
@@ -16,8 +17,8 @@ const NEXT: &str = "compute commands with the calibrated file (`paracal compensa
 /// A calibration; `measured` holds the data through the calibrated mechanism, then through the one that was given.
 pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
     let found = &c.identification;
-    let summary = text::result_line(c);
-    let (verdict, tone) = match (c.verdict.trusted, c.verdict.warnings.is_empty()) {
+    let harmless = c.verdict.warnings.iter().all(|text| tells_of_frames(text));
+    let (verdict, tone) = match (c.verdict.trusted, harmless) {
         (true, true) => ("The result can be trusted", Tone::Good),
         (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
         (false, _) => ("The result must not be trusted", Tone::Bad),
@@ -35,54 +36,132 @@ pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'
         let parts = strips.into_iter().map(Part::picture).collect();
         sections.push(Section { id: "legs", title: "Residuals, leg by leg", parts });
     }
-    let mut parameters: Vec<Part> =
-        deviations(&c.parameters[..found.mechanism_parameters]).into_iter().map(Part::picture).collect();
-    parameters.push(match c.weak.is_empty() {
-        true => Part::Text("The data determine all parameter directions.".into()),
-        false => Part::Table(
-            vec!["direction that the data do not determine", "tolerance over its uncertainty"],
-            c.weak.iter().map(|w| vec![w.text.clone(), format!("{:.2}", w.sigma)]).collect(),
-        ),
-    });
-    parameters.extend(correlation(&found.parameters, &found.correlation()).map(Part::picture));
-    sections.push(Section { id: "parameters", title: "Parameters", parts: parameters });
+    sections.push(Section { id: "parameters", title: "Parameters", parts: parameters(c) });
+    sections.push(Section { id: "frames", title: "Frames", parts: frames(c, subject) });
     sections.push(Section { id: "convergence", title: "Convergence", parts: vec![Part::picture(convergence(c))] });
-    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::calibration(c))] });
+    sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::printed(text::calibration(c))] });
     let mut lead: Vec<String> = c.verdict.reasons.iter().chain(&c.verdict.warnings).cloned().collect();
     lead.push(format!("What to do: {}", if c.verdict.trusted { NEXT } else { text::WHAT_IS_WRONG }));
+    let errors = Errors::of(c, measured.models, &marked);
     Page {
         title: format!("{}: calibration", c.mechanism.name()),
-        verdict: format!("{verdict}. {summary}"),
+        verdict: format!("{verdict}. {}", errors.headline(c)),
         tone,
-        numbers: numbers(c, measured.models, &marked),
+        numbers: errors.tiles(c, &marked),
         lead: subject.lead(lead),
         sections,
         settings: subject.settings.clone(),
     }
 }
 
-/// The numbers of the first screen, without gross rows.
-fn numbers(c: &Calibration, models: &[ModelResiduals], marked: &[DataRow]) -> Vec<(String, String)> {
-    let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
-    let rms = |k: usize| {
-        let usual = |s: &&SampleError| !marked.contains(&s.row);
-        let samples = models.get(k).map(|m| m.errors.samples.iter().filter(usual).copied().collect());
-        ModelErrors { samples: samples.unwrap_or_default() }.rms()
-    };
-    let (after, before) = (rms(0), rms(1));
-    let rows: Vec<String> = marked.iter().map(DataRow::to_string).collect();
-    let numbers = [
-        ("position error, as given", before.position.map(show_length)),
-        ("position error, calibrated", after.position.map(show_length)),
-        ("position error, held-out rows", held_out.position.map(show_length)),
-        ("position error, predicted for the workspace", c.predicted.map(|p| show_length(p.position_rms))),
-        ("angle error, as given", before.rotation.map(show_angle)),
-        ("angle error, calibrated", after.rotation.map(show_angle)),
-        ("angle error, held-out rows", held_out.rotation.map(show_angle)),
-        ("angle error, predicted for the workspace", c.predicted.map(|p| show_angle(p.rotation_rms))),
-        ("rows that look like gross errors, excluded from these numbers", (!rows.is_empty()).then(|| shortened(&rows))),
-    ];
-    known(numbers)
+/// Deviations as a picture and as a table, and what the data do not determine.
+fn parameters(c: &Calibration) -> Vec<Part> {
+    let found = &c.identification;
+    let n = found.mechanism_parameters;
+    let all = in_the_drawing(c);
+    let mut parts = Vec::new();
+    if c.registration.applied {
+        parts.push(Part::Text(
+            "Deviations are those of the machine, in the base frame and the platform frame of the mechanism file: the rigid \
+             motions of base and platform, which say where tracker and target were, are taken out of the points and listed \
+             under Frames. The calibrated file has the same machine in the frames of the measurement."
+                .into(),
+        ));
+    }
+    if let Some((figure, beyond)) = deviations(&judged(&all[..n])) {
+        parts.push(Part::picture(figure));
+        if !beyond.is_empty() {
+            parts.push(Part::Text(format!("Beyond the picture: {}.", beyond.join(", "))));
+        }
+    }
+    parts.push(table(&all));
+    parts.push(match c.weak.is_empty() {
+        true => Part::Text("The data determine all parameter directions.".into()),
+        false => Part::table(
+            "Directions that the data do not determine",
+            vec!["direction that the data do not determine", "tolerance over its uncertainty"],
+            c.weak.iter().map(|w| vec![w.text.clone(), format!("{:.2}", w.sigma)]).collect(),
+        ),
+    });
+    parts.extend(correlation(&found.parameters, &found.correlation()).map(Part::picture));
+    parts
+}
+
+/// Where tracker and target were, and the offsets of the legs.
+fn frames(c: &Calibration, subject: &Subject<'_>) -> Vec<Part> {
+    let n = c.identification.mechanism_parameters;
+    let mut parts = vec![match c.registration.applied {
+        true => Part::Text(frames::sentence(&c.plausibility)),
+        false => Part::Text("The data are in the frames of the mechanism file, up to these small motions.".into()),
+    }];
+    parts.push(frames::motions(&c.plausibility));
+    parts.extend(frames::offsets(subject.mechanism, &c.plausibility, &c.identification.parameters[..n]));
+    parts
+}
+
+/// The errors of the first screen, without gross rows: the same numbers in the headline and in the tiles.
+struct Errors {
+    before: ErrorSummary,
+    after: ErrorSummary,
+    held_out: ErrorSummary,
+}
+
+impl Errors {
+    fn of(c: &Calibration, models: &[ModelResiduals], marked: &[DataRow]) -> Self {
+        let rms = |k: usize| {
+            let usual = |s: &&SampleError| !marked.contains(&s.row);
+            let samples = models.get(k).map(|m| m.errors.samples.iter().filter(usual).copied().collect());
+            ModelErrors { samples: samples.unwrap_or_default() }.rms()
+        };
+        let held_out = c.held_out.as_ref().filter(|_| marked.is_empty()).map(|h| h.rms).unwrap_or_default();
+        Self { before: rms(1), after: rms(0), held_out }
+    }
+
+    /// How much better the calibrated mechanism is, in a sentence.
+    fn headline(&self, c: &Calibration) -> String {
+        let positions = self.after.position.is_some();
+        let shown = |e: &ErrorSummary| match positions {
+            true => e.position.map(show_length),
+            false => e.rotation.map(show_angle),
+        };
+        let of = [(&self.before, "as given"), (&self.after, "calibrated"), (&self.held_out, "on held-out rows")];
+        let parts: Vec<String> = of.into_iter().filter_map(|(e, name)| Some(format!("{} {name}", shown(e)?))).collect();
+        format!(
+            "{} parameters from {} poses: RMS {} error {}.",
+            c.parameters.len(),
+            c.identification.poses.len(),
+            if positions { "position" } else { "angle" },
+            parts.join(", ")
+        )
+    }
+
+    fn tiles(&self, c: &Calibration, marked: &[DataRow]) -> Vec<Tile> {
+        let given = match c.registration.applied {
+            true => "RMS of the mechanism file, once the frames of the data are found",
+            false => "RMS of the mechanism file",
+        };
+        let expected = "RMS of the calibrated pose, 1 σ, without the noise of a reading";
+        let (fitted, others) =
+            ("RMS on the fitted rows, noise included", "RMS on rows that were not fitted, noise included");
+        let Self { before, after, held_out } = self;
+        let rows: Vec<String> = marked.iter().map(DataRow::to_string).collect();
+        let numbers = [
+            Tile::of("position error, as given", before.position.map(show_length), given),
+            Tile::of("position error, calibrated", after.position.map(show_length), fitted),
+            Tile::of("position error, held-out rows", held_out.position.map(show_length), others),
+            Tile::of("position error, predicted", c.predicted.map(|p| show_length(p.position_rms)), expected),
+            Tile::of("angle error, as given", before.rotation.map(show_angle), given),
+            Tile::of("angle error, calibrated", after.rotation.map(show_angle), fitted),
+            Tile::of("angle error, held-out rows", held_out.rotation.map(show_angle), others),
+            Tile::of("angle error, predicted", c.predicted.map(|p| show_angle(p.rotation_rms)), expected),
+            Tile::of(
+                "rows that look like gross errors, excluded from these numbers",
+                (!rows.is_empty()).then(|| shortened(&rows)),
+                "data rows, counted from 0",
+            ),
+        ];
+        numbers.into_iter().flatten().collect()
+    }
 }
 
 fn convergence(c: &Calibration) -> Figure {

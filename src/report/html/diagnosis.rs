@@ -1,12 +1,16 @@
 //! The page of `diagnose`.
 
-use super::Subject;
-use super::page::{Page, Part, Section, Tone, known};
-use super::pictures::{Layer, added_variable, drawing, gain, sizes, strips};
+use super::page::{Page, Part, Section, Tile, Tone};
+use super::pictures::{Layer, Standing, added_variable, conditions, drawing, gain, sizes, strips};
+use super::{Subject, frames};
 use crate::diagnosis::{Cause, Diagnosis, MeasurementPlan, Rival, Verdict};
+use crate::identification::{Plausibility, plausibility};
 use crate::measurement::Dataset;
 use crate::report::text;
 use crate::units::{show_angle, show_length, show_probability, show_quantity, three_digits};
+
+/// Causes in the headline.
+const HEADLINE: usize = 3;
 
 /// A diagnosis of data, with the measurements that would settle what is open.
 pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>, data: &Dataset) -> Page {
@@ -17,8 +21,15 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
         Verdict::Misread => Tone::Bad,
     };
-    let remedy = |c: &Cause| format!("{}: {}. What to do: {}.", c.effect, c.cause, c.remedy);
-    let mut lead: Vec<String> = d.causes.iter().map(remedy).collect();
+    let mut meanings = text::meanings(d);
+    let mut lead = Vec::new();
+    let mut verdict = text::verdict(d);
+    if matches!(d.verdict, Verdict::Named | Verdict::Tied) && !meanings.is_empty() {
+        // The headline says what it means, for readers who read nothing else.
+        let headline: Vec<String> = meanings.drain(..meanings.len().min(HEADLINE)).collect();
+        lead.push(std::mem::replace(&mut verdict, headline.join(" ")));
+    }
+    lead.extend(meanings);
     lead.extend(d.warnings.iter().cloned());
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
@@ -30,15 +41,11 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         sections.push(Section { id: "gain", title: "Improvement", parts: vec![Part::picture(gain(d))] });
     }
     if !d.causes.is_empty() {
-        let mut parts = vec![
+        let parts = vec![
             Part::Table(CAUSES.to_vec(), d.causes.iter().map(cause_row).collect()),
             Part::picture(added_variable(&d.causes)),
             Part::picture(sizes(d)),
         ];
-        let marked: Vec<usize> = d.causes.iter().filter_map(|c| c.leg).collect();
-        if !marked.is_empty() {
-            parts.extend(drawing(subject.mechanism, &[], None, &marked).map(Part::drawing));
-        }
         sections.push(Section { id: "causes", title: "Causes", parts });
         let rivals: Vec<Vec<String>> = d.causes.iter().flat_map(rival_rows).collect();
         if !rivals.is_empty() {
@@ -52,24 +59,33 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     if !d.residuals.is_empty() {
         sections.push(Section { id: "legs", title: "Residuals, leg by leg", parts: legs(d, subject, data) });
     }
+    if let Some(figure) = conditions(data, subject.condition_kinds) {
+        let parts = vec![Part::picture(figure)];
+        sections.push(Section { id: "conditions", title: "Conditions of the run", parts });
+    }
+    sections.push(Section { id: "frames", title: "Frames", parts: standing(d, subject) });
     if !d.not_found.is_empty() {
         let row = |n: &crate::diagnosis::NotFound| {
             vec![n.effect.clone(), n.parameter.clone(), show_quantity(n.limit, n.dimension)]
         };
         let rows = d.not_found.iter().map(row).collect();
         let header = vec!["tested and not found", "parameter", "detectable from"];
-        sections.push(Section { id: "limits", title: "Detection limits", parts: vec![Part::Table(header, rows)] });
+        sections.push(Section {
+            id: "limits",
+            title: "Detection limits",
+            parts: vec![Part::table("Detection limits", header, rows)],
+        });
     }
     if !d.not_testable.is_empty() {
         let rows = d.not_testable.iter().map(|n| vec![n.effect.clone(), n.missing.join(", ")]).collect();
-        let parts = vec![Part::Table(vec!["could not be tested", "what is missing"], rows)];
+        let parts = vec![Part::table("Not testable", vec!["could not be tested", "what is missing"], rows)];
         sections.push(Section { id: "missing", title: "Not testable", parts });
     }
-    let text = Part::Lines(text::diagnosis(d, title));
+    let text = Part::printed(text::diagnosis(d, title));
     sections.push(Section { id: "numbers", title: "All numbers", parts: vec![text] });
     Page {
         title: format!("{title}: diagnosis"),
-        verdict: text::verdict(d),
+        verdict,
         tone,
         numbers: numbers(d),
         lead: subject.lead(lead),
@@ -89,16 +105,43 @@ fn what_of_unknown(d: &Diagnosis) -> String {
     format!("What to do: look at what changes with {covariate}{leg}{other}, and measure over a wider range of it.")
 }
 
-fn numbers(d: &Diagnosis) -> Vec<(String, String)> {
+/// Where tracker and target were, the offsets of the legs, and the mechanism with the legs that causes name.
+fn standing(d: &Diagnosis, subject: &Subject<'_>) -> Vec<Part> {
+    if d.verdict == Verdict::Misread || d.values.len() < subject.mechanism.parameters().len() {
+        return Vec::new();
+    }
+    let found = plausibility(subject.mechanism, &d.values);
+    // The mechanism of a calibrated file stands in a frame of its own.
+    let base = d.frames.base.compose(&found.base).compose(&subject.frames.base);
+    let target = subject.frames.target.compose(&found.target).compose(&d.frames.target);
+    let found = Plausibility { base, target, ..found };
+    let mut parts = vec![Part::Text(frames::sentence(&found)), frames::motions(&found)];
+    let offsets = frames::offsets(subject.mechanism, &found, &[]);
+    let marked: Vec<usize> = d.causes.iter().filter_map(|c| c.leg).collect();
+    let seen = Standing::of(subject.mechanism, &subject.frames).seen_from(&found.base);
+    match (offsets, drawing(subject.mechanism, &seen, &[], None, &marked).map(Part::drawing)) {
+        (Some(offsets), Some(drawing)) => parts.push(Part::Row(vec![drawing, offsets])),
+        (offsets, drawing) => parts.extend(offsets.into_iter().chain(drawing)),
+    }
+    parts
+}
+
+fn numbers(d: &Diagnosis) -> Vec<Tile> {
     let (g, named) = (&d.gain, !d.causes.is_empty());
+    let alone = "RMS on rows that were not fitted, with the kinematic parameters alone";
+    let with = "RMS on rows that were not fitted, with the causes in the model";
     let rows = [
-        ("position error on held-out rows, parameters alone", g.position_before.map(show_length)),
-        ("position error on held-out rows, with the causes", g.position_after.filter(|_| named).map(show_length)),
-        ("angle error on held-out rows, parameters alone", g.rotation_before.map(show_angle)),
-        ("angle error on held-out rows, with the causes", g.rotation_after.filter(|_| named).map(show_angle)),
-        ("noise relative to the stated noise", d.noise_scale.is_finite().then(|| three_digits(d.noise_scale))),
+        Tile::of("position error, parameters alone", g.position_before.map(show_length), alone),
+        Tile::of("position error, with the causes", g.position_after.filter(|_| named).map(show_length), with),
+        Tile::of("angle error, parameters alone", g.rotation_before.map(show_angle), alone),
+        Tile::of("angle error, with the causes", g.rotation_after.filter(|_| named).map(show_angle), with),
+        Tile::of(
+            "noise over the stated noise",
+            d.noise_scale.is_finite().then(|| three_digits(d.noise_scale)),
+            "what is left, in units of the stated noise; 1 is as stated",
+        ),
     ];
-    known(rows)
+    rows.into_iter().flatten().collect()
 }
 
 /// Residuals of each leg without causes and with them.
@@ -140,16 +183,8 @@ fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
     c.tied_with.iter().map(row).collect()
 }
 
-const CAUSES: [&str; 7] = [
-    "cause",
-    "leg",
-    "parameters",
-    "evidence, nats",
-    "p",
-    "relative to its limit",
-    "not \
-                            excluded",
-];
+const CAUSES: [&str; 7] =
+    ["cause", "leg", "parameters", "evidence, nats", "p", "relative to its limit", "not excluded"];
 
 fn cause_row(c: &Cause) -> Vec<String> {
     let values = c.parameters.iter().map(|p| {

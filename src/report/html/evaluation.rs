@@ -1,6 +1,6 @@
 //! The page of `evaluate`.
 
-use super::page::{Page, Part, Section, Tone, known};
+use super::page::{Page, Part, Section, Tile, Tone};
 use super::pictures::{Layer, ModelResiduals, gross, strips};
 use super::{Measured, Subject};
 use crate::identification::ModelErrors;
@@ -13,11 +13,12 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
     let (rms, max) = (errors.rms(), errors.max());
     let parts: Vec<String> =
         [rms.position.map(show_length), rms.rotation.map(show_angle)].into_iter().flatten().collect();
+    let (all, one) = ("over all measured rows, noise included", "of a single row");
     let numbers = [
-        ("position error, RMS", rms.position.map(show_length)),
-        ("largest", max.position.map(show_length)),
-        ("angle error, RMS", rms.rotation.map(show_angle)),
-        ("largest", max.rotation.map(show_angle)),
+        Tile::of("position error, RMS", rms.position.map(show_length), all),
+        Tile::of("largest position error", max.position.map(show_length), one),
+        Tile::of("angle error, RMS", rms.rotation.map(show_angle), all),
+        Tile::of("largest angle error", max.rotation.map(show_angle), one),
     ];
     let marked = gross(&measured.models.first().map(ModelResiduals::in_joints).unwrap_or_default());
     let models = measured.models.iter().enumerate();
@@ -27,8 +28,8 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
     Page {
         title: format!("{title}: errors of the model"),
         verdict: format!("{} rows: RMS error {}.", errors.samples.len(), parts.join(" and ")),
-        tone: if subject.warnings.is_empty() { Tone::Good } else { Tone::Mind },
-        numbers: known(numbers),
+        tone: if subject.warnings().next().is_none() { Tone::Good } else { Tone::Mind },
+        numbers: numbers.into_iter().flatten().collect(),
         lead: subject.lead(vec![
             "Nothing was fitted: the model predicts each row, and this page shows how far off it is. What to do if \
              that is too much: `paracal calibrate` identifies parameters, `paracal diagnose` looks for causes."
@@ -37,7 +38,11 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
         sections: vec![
             Section { id: "errors", title: "Errors", parts: measured.pictures(subject, &marked) },
             Section { id: "legs", title: "Leg by leg", parts: strips.into_iter().map(Part::picture).collect() },
-            Section { id: "numbers", title: "All numbers", parts: vec![Part::Lines(text::evaluation(errors, title))] },
+            Section {
+                id: "numbers",
+                title: "All numbers",
+                parts: vec![Part::printed(text::evaluation(errors, title))],
+            },
         ],
         settings: subject.settings.clone(),
     }

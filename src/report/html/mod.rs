@@ -6,27 +6,32 @@
 //! in `pictures`.
 
 mod calibration;
+mod deviations;
 mod diagnosis;
 mod evaluation;
+mod frames;
 mod page;
 mod pictures;
 mod selection;
+mod style;
+mod typeset;
 
 pub use calibration::calibration;
 pub use diagnosis::diagnosis;
 pub use evaluation::evaluation;
+pub use frames::frames_of;
 pub use page::Page;
 #[cfg(feature = "cli")]
 pub(crate) use page::shell;
 #[doc(hidden)]
-pub use page::{Part, Section, Tone};
+pub use page::{Part, Section, Tile, Tone};
 pub use pictures::ModelResiduals;
 pub use selection::selection;
 
-use pictures::{Displacements, by_row, drawing, histograms, maps};
+use pictures::{Displacements, Standing, by_row, drawing, histograms, maps};
 
 use crate::conditions::ConditionTable;
-use crate::measurement::{DataRow, Dataset, RowKind};
+use crate::measurement::{DataRow, Dataset, Frames, RowKind};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
 
@@ -35,6 +40,8 @@ use crate::pose::{Pose, PoseConvention};
 pub struct Subject<'a> {
     /// The mechanism of the drawing: calibrated if it was calibrated.
     pub mechanism: &'a dyn Mechanism,
+    /// Where its base stands and the target sits in the frames of its poses, as [`frames_of`] finds it.
+    pub frames: Frames,
     /// How poses are written.
     pub convention: &'a PoseConvention,
     /// What the covariates of the data mean.
@@ -48,15 +55,27 @@ pub struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// Paragraphs, and the warnings that are not among them.
+    /// Paragraphs, and the warnings that are not among them. Another frame is nothing to be warned of; a page states where
+    /// it is.
     fn lead(&self, mut paragraphs: Vec<String>) -> Vec<String> {
-        for warning in &self.warnings {
+        paragraphs.retain(|text| !tells_of_frames(text));
+        for warning in self.warnings() {
             if !paragraphs.contains(warning) {
                 paragraphs.push(warning.clone());
             }
         }
         paragraphs
     }
+
+    /// Warnings of the command that are worth one.
+    fn warnings(&self) -> impl Iterator<Item = &String> {
+        self.warnings.iter().filter(|text| !tells_of_frames(text))
+    }
+}
+
+/// Whether a warning says no more than that the data are in the frame of an instrument.
+fn tells_of_frames(warning: &str) -> bool {
+    [crate::identification::IN_ANOTHER_FRAME, crate::diagnosis::IN_ANOTHER_FRAME].contains(&warning)
 }
 
 impl Measured<'_> {
@@ -69,10 +88,16 @@ impl Measured<'_> {
             Part::picture(maps(&models, subject.convention, marked)),
             Part::picture(histograms(&models, noise, marked)),
         ];
-        for seen in models {
+        let standing = Standing::of(subject.mechanism, &subject.frames);
+        let draw = |seen: &ModelResiduals| {
             let poses: Vec<Pose> = seen.deviations.iter().map(|d| d.pose).collect();
-            let arrows = Displacements::of(seen, subject.mechanism, marked);
-            pictures.extend(drawing(subject.mechanism, &poses, Some(&arrows), &[]).map(Part::drawing));
+            let arrows = Displacements::of(seen, &standing, marked);
+            drawing(subject.mechanism, &standing, &poses, Some(&arrows), &[]).map(Part::drawing)
+        };
+        let mut drawings: Vec<Part> = models.into_iter().filter_map(draw).collect();
+        match drawings.len() {
+            0 | 1 => pictures.append(&mut drawings),
+            _ => pictures.push(Part::Row(drawings)),
         }
         pictures
     }

@@ -2,32 +2,9 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::style::{PAPER, STYLE};
+use super::typeset::typeset;
 use crate::report::chart::{Figure, PAGE_STYLE, Scene};
-
-/// The style of all pages: light and dark, narrow and wide, screen and paper.
-const STYLE: &str = "\
-:root{color-scheme:light dark;--ink:#1b1f24;--dim:#57606a;--line:#d0d7de;--held:#116329;--drawn:#7d4e00;--not:#a40e26;--paper:#fff}
-@media(prefers-color-scheme:dark){:root{--ink:#e6edf3;--dim:#9da7b1;--line:#3d444d;--held:#56d364;--drawn:#e3b341;--not:#ff7b72;--paper:#0d1117}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem;overflow-wrap:anywhere}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;overflow-wrap:normal}
-th,td{padding:.3rem .7rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}
-th[scope=row]{font-weight:normal;min-width:10rem}th:first-child,td:first-child,.words{text-align:left}.number{white-space:nowrap}
-small{display:block;color:var(--dim)}
-.held{color:var(--held)}.drawn{color:var(--drawn)}.not{color:var(--not);font-weight:bold}
-dl.numbers{display:flex;flex-wrap:wrap;gap:.8rem;padding:0;margin:1rem 0}
-.numbers div{border:1px solid var(--line);border-radius:.4rem;padding:.5rem .9rem;min-width:9rem}
-.numbers dt{color:var(--dim);font-size:.875rem}.numbers dd{margin:0;font-size:1.25rem;font-variant-numeric:tabular-nums}
-.verdict{font-size:1.25rem;font-weight:bold;border-left:.4rem solid;padding-left:.8rem}
-dt{color:var(--dim)}dd{margin:0 0 .5rem}
-@media(max-width:44rem){table{font-size:.875rem}th,td{padding:.3rem .4rem}th:first-child,td:first-child{padding-left:0}}
-@media(min-width:44rem){dl{display:grid;grid-template-columns:fit-content(50%) 1fr;gap:.3rem 1.4rem}dd{margin:0}}
-.wide{overflow-x:auto}pre{overflow-x:auto;font-size:.85rem}figure{margin:1rem 0}svg{max-width:100%;height:auto}
-";
-
-/// On paper nothing scrolls, and pictures and rows stay whole.
-const PAPER: &str = "\
-@media print{:root{font-size:11px}body{font-size:1rem;padding:0}.wide{overflow:visible}pre{white-space:pre-wrap;overflow:visible}
-figure,pre,tr,.verdict{break-inside:avoid}h2,h2+p{break-after:avoid}}";
 
 /// How good the news is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +26,8 @@ pub struct Page {
     pub verdict: String,
     /// How good it is.
     pub tone: Tone,
-    /// The few numbers that matter: name, value.
-    pub numbers: Vec<(String, String)>,
+    /// The few numbers that matter.
+    pub numbers: Vec<Tile>,
     /// Main messages and advice, one paragraph each.
     pub lead: Vec<String>,
     /// Sections, in order.
@@ -59,9 +36,22 @@ pub struct Page {
     pub settings: Vec<(String, String)>,
 }
 
-/// The numbers that have a value.
-pub(super) fn known<const N: usize>(numbers: [(&str, Option<String>); N]) -> Vec<(String, String)> {
-    numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+/// A number that can be understood without the rest of the page.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tile {
+    /// What it is called.
+    pub name: String,
+    /// The number with its unit.
+    pub value: String,
+    /// What it means; may be empty.
+    pub meaning: String,
+}
+
+impl Tile {
+    /// A number, if it is known.
+    pub(super) fn of(name: &str, value: Option<String>, meaning: impl Into<String>) -> Option<Self> {
+        Some(Self { name: name.into(), value: value?, meaning: meaning.into() })
+    }
 }
 
 /// A part of a page with a heading.
@@ -88,7 +78,16 @@ pub enum Part {
     Picture(Box<Figure>),
     /// A drawing in perspective.
     Drawing(Box<Scene>),
+    /// Parts side by side where there is room.
+    Row(Vec<Part>),
+    /// Parts behind a line that opens them.
+    Folded(String, Vec<Part>),
 }
+
+/// Tables with more rows than this are folded.
+const LONG: usize = 12;
+/// Tables with more columns than this become lists on a phone.
+const COLUMNS: usize = 2;
 
 impl Part {
     /// A picture.
@@ -101,26 +100,58 @@ impl Part {
         Self::Drawing(Box::new(scene))
     }
 
+    /// A table that is folded if it is long; `title` is the line that opens it.
+    pub fn table(title: &str, header: Vec<&'static str>, rows: Vec<Vec<String>>) -> Self {
+        let (long, count) = (rows.len() > LONG, rows.len());
+        let table = Self::Table(header, rows);
+        if long { Self::Folded(format!("{title} ({count} rows)"), vec![table]) } else { table }
+    }
+
+    /// What the program prints, folded.
+    pub fn printed(text: String) -> Self {
+        Self::Folded("As the program prints it".into(), vec![Self::Lines(text)])
+    }
+
     fn markup(&self, id: &str) -> Markup {
         match self {
             Self::Text(text) => html! { p { (text) } },
             Self::Lines(lines) => html! { pre { (lines) } },
-            Self::Table(header, rows) => {
-                let class = |k: usize| if of_words(rows, k) { "words" } else { "number" };
-                html! {
-                    div.wide { table {
-                        thead { tr { @for (k, h) in header.iter().enumerate() {
-                            th scope="col" class=[of_words(rows, k).then_some("words")] { (h) }
-                        } } }
-                        tbody { @for row in rows { tr {
-                            @for (k, cell) in row.iter().enumerate() { td class=(class(k)) { (cell) } }
-                        } } }
-                    } }
-                }
-            }
+            Self::Table(header, rows) => table(header, rows),
             Self::Picture(figure) => html! { figure { (PreEscaped(figure.html_with_id(id))) } },
-            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.html_with_id(id))) } },
+            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.html_alone(id))) } },
+            Self::Row(parts) => html! {
+                div.row { @for (k, part) in parts.iter().enumerate() { div { (part.beside(&format!("{id}-{k}"))) } } }
+            },
+            Self::Folded(title, parts) => html! {
+                details {
+                    summary { (title) }
+                    @for (k, part) in parts.iter().enumerate() { (part.markup(&format!("{id}-{k}"))) }
+                }
+            },
         }
+    }
+
+    /// The part as one of a row, with half of the page for itself.
+    fn beside(&self, id: &str) -> Markup {
+        match self {
+            Self::Drawing(scene) => html! { figure { (PreEscaped(scene.html_with_id(id))) } },
+            other => other.markup(id),
+        }
+    }
+}
+
+fn table(header: &[&'static str], rows: &[Vec<String>]) -> Markup {
+    let class = |k: usize| if of_words(rows, k) { "words" } else { "number" };
+    let label = |k: usize| header.get(k).copied().unwrap_or_default();
+    html! {
+        div.wide { table.cards[header.len() > COLUMNS] {
+            thead { tr { @for (k, h) in header.iter().enumerate() {
+                th scope="col" class=[of_words(rows, k).then_some("words")] { (h) }
+            } } }
+            tbody { @for row in rows { tr {
+                @for (k, cell) in row.iter().enumerate() { td class=(class(k)) data-of=(label(k)) { (cell) } }
+            } } }
+        } }
     }
 }
 
@@ -142,7 +173,10 @@ impl Page {
             h1 { (self.title) }
             p class=(class) { (self.verdict) }
             @if !self.numbers.is_empty() {
-                dl.numbers { @for (name, value) in &self.numbers { div { dt { (name) } dd { (value) } } } }
+                dl.numbers.five[self.numbers.len() == 5] { @for tile in &self.numbers { div {
+                    dt { (tile.name) } dd { (tile.value) }
+                    @if !tile.meaning.is_empty() { dd.meaning { (tile.meaning) } }
+                } } }
             }
             @for paragraph in &self.lead { p { (with_code(&sentence(paragraph))) } }
             @for section in self.sections.iter().filter(|s| !s.parts.is_empty()) {
@@ -193,7 +227,7 @@ pub(crate) fn shell(title: &str, body: &Markup) -> String {
                 title { (title) }
                 style { (PreEscaped(STYLE)) (PreEscaped(PAGE_STYLE)) (PreEscaped(PAPER)) }
             }
-            body { (body) }
+            body { (PreEscaped(typeset(&body.0))) }
         }
     }
     .into_string()
@@ -209,7 +243,7 @@ mod tests {
             title: "<b> & \"c\"".into(),
             verdict: "a < b".into(),
             tone: Tone::Mind,
-            numbers: vec![("<u>".into(), "1".into())],
+            numbers: vec![Tile { name: "<u>".into(), value: "1".into(), meaning: String::new() }],
             lead: vec!["<script> `paracal <x>`".into()],
             sections: vec![Section {
                 id: "s",

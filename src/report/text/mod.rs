@@ -2,14 +2,15 @@
 
 mod diagnosis;
 mod inspection;
+mod meaning;
 mod selection;
 mod settlement;
 
 pub(in crate::report) use diagnosis::understated;
 pub use diagnosis::{diagnosis, verdict};
 pub use inspection::{Inspection, inspection};
+pub(in crate::report) use meaning::meanings;
 pub(in crate::report) use selection::next_step;
-pub(in crate::report) use selection::number_row;
 pub use selection::{Selection, selection};
 pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settlement};
 

@@ -104,7 +104,7 @@ pub(in crate::report) fn next_step(s: &Selection<'_>) -> String {
 }
 
 /// A row of the table of numbers of poses: number, index, efficiency, predicted errors.
-pub(in crate::report) fn number_row(r: &ChosenSet) -> Vec<String> {
+fn number_row(r: &ChosenSet) -> Vec<String> {
     let e = r.forecast.as_ref().map(|f| f.error);
     vec![
         r.poses.len().to_string(),

@@ -505,7 +505,8 @@ fn subject<'a>(machine: &'a Machine, mechanism: &'a dyn Mechanism) -> html::Subj
     let noise = machine.noise.map(|n| [n.position, n.rotation]);
     let settings = vec![("call".to_owned(), "paracal".to_owned())];
     let (convention, condition_kinds) = (&machine.convention, machine.condition_kinds());
-    html::Subject { mechanism, convention, condition_kinds, noise, warnings: Vec::new(), settings }
+    let frames = html::frames_of(mechanism, machine.commander());
+    html::Subject { mechanism, frames, convention, condition_kinds, noise, warnings: Vec::new(), settings }
 }
 
 /// What the commands do with what they have read: `which` of them. The result of each may be an error; its text, its JSON

@@ -5,7 +5,7 @@ use crate::common::paper_noise;
 
 use paracal::conditions::ConditionTable;
 use paracal::identification::{CalibrationOptions, Robust, calibrate};
-use paracal::measurement::{Dataset, PoseMeasurement, PoseReading};
+use paracal::measurement::{Dataset, Frames, PoseMeasurement, PoseReading};
 use paracal::report::html::{self, Measured, ModelResiduals};
 use paracal::report::json;
 use std::sync::Arc;
@@ -40,6 +40,7 @@ fn a_robust_calibration_of_a_subset_names_the_rows_of_the_file_everywhere() {
     let models = [ModelResiduals::new("calibrated", calibrated, &[], &data).unwrap()];
     let subject = html::Subject {
         mechanism: calibrated,
+        frames: Frames::default(),
         convention: &c.space.convention,
         condition_kinds: &ConditionTable::standard(),
         noise: None,
@@ -47,6 +48,7 @@ fn a_robust_calibration_of_a_subset_names_the_rows_of_the_file_everywhere() {
         settings: Vec::new(),
     };
     let page = html::calibration(&result, &subject, &Measured { data: &data, models: &models });
-    let shown: Vec<&String> = page.numbers.iter().filter(|(k, _)| k.contains("gross")).map(|(_, v)| v).collect();
+    let shown: Vec<&String> =
+        page.numbers.iter().filter(|tile| tile.name.contains("gross")).map(|tile| &tile.value).collect();
     assert_eq!(shown, [&listed]);
 }

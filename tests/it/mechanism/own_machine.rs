@@ -24,7 +24,7 @@ fn calibrated(frames: &Frames) -> (Machine, Dataset, Vec<f64>, String) {
     let folder = tempfile::tempdir().unwrap();
     let (machine, mut measurement) = example::campaign(folder.path()).unwrap();
     let header = std::fs::read_to_string(folder.path().join("data.csv")).unwrap();
-    assert!(header.contains("\nslide1_mm,slide2_mm,slide3_mm,slide4_mm,slide5_mm,slide6_mm,x_mm,"), "{header}");
+    assert!(header.contains("slide1_mm,slide2_mm,slide3_mm,slide4_mm,slide5_mm,slide6_mm,x_mm,"), "{header}");
     if !frames.is_identity() {
         let text = moved(&header, frames);
         let path = folder.path().join("moved.csv");
@@ -43,8 +43,8 @@ fn calibrated(frames: &Frames) -> (Machine, Dataset, Vec<f64>, String) {
 /// The table with its poses as they are seen in other frames.
 fn moved(table: &str, frames: &Frames) -> String {
     let mut lines = table.lines();
-    let mut text: String = lines.by_ref().take(2).map(|line| format!("{line}\n")).collect();
-    for line in lines {
+    let mut text: String = lines.by_ref().take(1).map(|line| format!("{line}\n")).collect();
+    for line in lines.filter(|line| !line.starts_with('#')) {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let q: [f64; 6] = std::array::from_fn(|k| if k < 3 { 1e-3 * cells[6 + k] } else { cells[6 + k].to_radians() });
         let seen = frames.measured(&Pose::from_coordinates(&q)).coordinates();

@@ -36,8 +36,14 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
     let call = "calibrate mechanisms/table5.toml examples/data/hardpoint-noisy.csv -o calibrated.toml";
     let (page, printed) = report(&bench, call);
     whole(&page);
+    // The headline and the tiles say what is printed, in the units of a page.
     let last = printed.trim_end().lines().last().unwrap();
-    assert!(page.contains(&format!("The result can be trusted. {}", last.replace('>', "&gt;"))), "{last}");
+    let (before, after) = last.split_once(" -> ").unwrap();
+    let (before, after) = (before.split("RMS ").nth(1).unwrap(), after.split(" (fitted)").next().unwrap());
+    let [before, after] = [before, after].map(|shown| shown.replace(" um", " µm"));
+    assert!(page.contains("The result can be trusted. 42 parameters from"), "{last}");
+    assert!(page.contains(&format!("RMS position error {before} as given, {after} calibrated")), "{last}");
+    assert!(page.contains(&format!("position error, as given</dt> <dd>{before}</dd>").replace("> <", "><")), "{last}");
     for shown in [
         "Errors row by row",
         "Deviations of the length parameters",
@@ -49,6 +55,8 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
         "Residuals against the noise",
         "Leg by leg against the length of the leg",
         "Correlations of the identified parameters",
+        "base in the tracker's frame",
+        "<th scope=\"col\">deviation</th>",
         "times as long as the errors",
         "hardpoint-noisy.csv",
     ] {
@@ -66,7 +74,6 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
     assert!(printed.contains("NAMED: scale.per_leg and drift.leg at leg 1."));
     for shown in [
         "NAMED: scale.per_leg and drift.leg at leg 1.",
-        "What to do:",
         "scale6",
         "Detection limits",
         "held out",
@@ -75,6 +82,9 @@ fn a_diagnosis_is_shown_with_its_causes_limits_and_gain() {
         "Leg by leg against the temperature of the leg",
         "Leg by leg against the elevation",
         "leg named by a cause",
+        "Leg 1 crept by 17.2 µm in the course of the run, towards shorter: check its encoder",
+        "most of all leg 6, by 898 ppm less than commanded",
+        "What was recorded during the run",
         "Squares on the ground are",
     ] {
         assert!(page.contains(shown), "{shown}");
@@ -186,7 +196,7 @@ fn a_gross_row_is_marked_and_hides_nothing() {
     // Without that row the error is that of the noise, and not a tenth of a millimetre.
     let of = after("<dt>position error, calibrated");
     let (value, unit) = of.split_once(' ').unwrap();
-    assert!(unit == "um" && value.parse::<f64>().unwrap() < 3.0, "{of}");
+    assert!(unit == "µm" && value.parse::<f64>().unwrap() < 3.0, "{of}");
 }
 
 #[cfg(unix)]

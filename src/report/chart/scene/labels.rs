@@ -9,8 +9,9 @@ use crate::report::chart::svg::{Anchor, Canvas, Font, TextBox};
 const LEG: Font = Font { bold: true, ..Font::new(13.0, "h", Anchor::Middle) };
 const FRAME: Font = Font { bold: true, ..Font::new(12.5, "h", Anchor::Middle) };
 const AXIS: Font = Font::new(12.0, "h", Anchor::Middle);
-/// Longest label in pixels.
+/// Longest label in pixels, and that of an arrow.
 const LONGEST: f64 = 150.0;
+const LONGEST_OF_ARROW: f64 = 240.0;
 
 /// A line on the picture with the weight of the harm that a label on it does.
 #[derive(Clone, Copy, Debug)]
@@ -144,6 +145,14 @@ pub(super) fn draw(canvas: &mut Canvas, scene: &Scene, stage: &Stage, obstacles:
         let label = shorten(leg.label.trim(), LEG.size, LONGEST);
         if !label.is_empty() {
             places.put(&LEG, &label, beside(stage, from, to, half(&LEG, &label)));
+        }
+    }
+    for arrow in &scene.arrows {
+        let (Some(foot), Some(head)) = (stage.see(&arrow.from), stage.see(&arrow.to)) else { continue };
+        let label = shorten(arrow.label.trim(), FRAME.size, LONGEST_OF_ARROW);
+        if !label.is_empty() {
+            let along = [head.px[0] - foot.px[0], head.px[1] - foot.px[1]];
+            places.put(&FRAME, &label, around(head.px, along, half(&FRAME, &label)));
         }
     }
 }

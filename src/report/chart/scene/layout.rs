@@ -16,6 +16,8 @@ use crate::report::chart::svg::{Anchor, Canvas, DARK, Extra, Font, GROUND, INK, 
 
 /// Width of the picture and greatest height of the drawing alone.
 pub(super) const WHOLE: [f64; 2] = [720.0, 440.0];
+/// Width and greatest height of the drawing on a wide screen.
+pub(super) const WIDE: [f64; 2] = [1200.0, 520.0];
 /// Width and greatest height of the drawing on a phone.
 pub(super) const NARROW: [f64; 2] = [358.0, 300.0];
 /// Room around the drawing for the labels.

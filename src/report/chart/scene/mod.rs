@@ -78,6 +78,21 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// The picture for a page on which nothing stands beside it: as [`html_with_id`](Self::html_with_id), and once more as
+    /// wide as a wide screen.
+    #[must_use]
+    pub fn html_alone(&self, id: &str) -> String {
+        let draw = |id: &str, size| layout::compose(self, id, size).finish(&self.title, &self.description);
+        format!(
+            "<div class=\"full\">{}</div><div class=\"whole few middle\">{}</div><div class=\"panels few\"><div>{}</div></div>",
+            draw(&format!("{id}-wide"), layout::WIDE),
+            draw(id, layout::WHOLE),
+            draw(&format!("{id}-narrow"), layout::NARROW)
+        )
+    }
+}
+
 /// The direction and the distance from which a scene is seen. The camera always aims at the middle of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -154,6 +169,8 @@ pub struct Arrow {
     pub to: [f64; 3],
     /// Tooltip; may be empty. A scene with more than 400 arrows shows none.
     pub tip: String,
+    /// Short label beside its head; may be empty.
+    pub label: String,
 }
 
 /// A point with a marker whose shape depends on the colour.

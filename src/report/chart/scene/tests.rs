@@ -45,7 +45,7 @@ fn hexapod(poses: usize) -> Scene {
         let corners: Vec<[f64; 3]> = top.iter().map(&mut near).collect();
         for from in &corners {
             let (name, tip) = ("error".into(), format!("pose {pose}: 23.4 µm"));
-            scene.arrows.push(Arrow { name, colour: 1, from: *from, to: near(from), tip });
+            scene.arrows.push(Arrow { name, colour: 1, from: *from, to: near(from), tip, label: String::new() });
         }
         scene.outlines.push(Silhouette { colour: 5, ..outline("chosen poses", corners, false, true) });
     }
@@ -245,7 +245,14 @@ fn nasty_scenes_are_sound() {
         for _ in 0..[0, 1, 6, 90][dice.roll(4)] {
             let [from, to] = [0, 1].map(|_| [0; 3].map(|_| dice.value(kind)));
             scene.legs.push(LineSegment { name: dice.text(), colour: dice.roll(9), from, to, label: dice.text() });
-            scene.arrows.push(Arrow { name: dice.text(), colour: dice.roll(9), from: to, to: from, tip: dice.text() });
+            scene.arrows.push(Arrow {
+                name: dice.text(),
+                colour: dice.roll(9),
+                from: to,
+                to: from,
+                tip: dice.text(),
+                label: dice.text(),
+            });
         }
         for _ in 0..dice.roll(4) {
             let axes = [0; 3].map(|_| [0; 3].map(|_| dice.value(kind)));

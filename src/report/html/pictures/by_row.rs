@@ -1,6 +1,7 @@
 //! Errors row by row.
 
-use super::{ARCSECONDS, GROSS, MICROMETRES, ModelResiduals};
+use super::scale::AxisUnit;
+use super::{GROSS, ModelResiduals};
 use crate::identification::SampleError;
 use crate::measurement::{DataRow, RowKind};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
@@ -17,12 +18,13 @@ pub(in crate::report::html) fn by_row(
         let first = models.first().and_then(|m| m.deviations.first());
         first.map_or(3, |d| d.readings.iter().filter(|(of, _)| *of == kind).count().min(3)) as f64
     };
-    let panel = |title: &str, label: &str, of: fn(&SampleError) -> Option<f64>, unit: f64, sigma: Option<f64>| {
+    let sizes = |of: fn(&SampleError) -> Option<f64>| models.iter().flat_map(|m| &m.errors.samples).filter_map(of);
+    let panel = |title: &str, label: &str, of: fn(&SampleError) -> Option<f64>, unit: AxisUnit, sigma: Option<f64>| {
         let series = |(colour, model): (usize, &&ModelResiduals)| {
-            let points = model.errors.samples.iter().filter_map(|s| Some([s.row.0 as f64, unit * of(s)?])).collect();
-            Series::new(&model.name, colour, Shape::Dots, points)
+            let point = |s: &SampleError| Some([s.row.0 as f64, unit.per_si * of(s)?]);
+            Series::new(&model.name, colour, Shape::Dots, model.errors.samples.iter().filter_map(point).collect())
         };
-        let at = |sigma: f64| Rule { horizontal: true, at: unit * sigma, label: "stated noise".into() };
+        let at = |sigma: f64| Rule { horizontal: true, at: unit.per_si * sigma, label: "stated noise".into() };
         let mut series: Vec<Series> = models.iter().enumerate().map(series).collect();
         if let Some(first) = series.first_mut().filter(|_| !gross.is_empty()) {
             let (far, near) = first.points.iter().partition(|p| gross.contains(&DataRow(p[0] as usize)));
@@ -32,27 +34,19 @@ pub(in crate::report::html) fn by_row(
         Panel {
             title: title.into(),
             x: Axis::linear("data row"),
-            y: Axis::log(label),
+            y: Axis::log(format!("{label} ({})", unit.name)),
             series,
             rules: sigma.map(at).into_iter().collect(),
             ..Panel::default()
         }
     };
+    let (position, rotation) = (|s: &SampleError| s.position, |s: &SampleError| s.rotation);
+    let stated = |k: usize, kind: RowKind| noise.map(|n| n[k] * components(kind).sqrt());
+    let lengths = AxisUnit::of_lengths(sizes(position));
+    let angles = AxisUnit::of_angles(sizes(rotation));
     let panels = [
-        panel(
-            "Position",
-            "position error (um)",
-            |s| s.position,
-            MICROMETRES,
-            noise.map(|n| n[0] * components(RowKind::Position).sqrt()),
-        ),
-        panel(
-            "Attitude",
-            "angle error (arcsec)",
-            |s| s.rotation,
-            ARCSECONDS,
-            noise.map(|n| n[1] * components(RowKind::Rotation).sqrt()),
-        ),
+        panel("Position", "position error", position, lengths, stated(0, RowKind::Position)),
+        panel("Attitude", "angle error", rotation, angles, stated(1, RowKind::Rotation)),
     ];
     let names: Vec<&str> = models.iter().map(|m| m.name.as_str()).collect();
     Figure {

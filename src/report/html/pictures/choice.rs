@@ -1,8 +1,8 @@
 //! Predicted accuracy of chosen poses.
 
 use super::maps::shown;
-use super::{ARCSECONDS, MICROMETRES};
-use crate::pose::PoseConvention;
+use super::scale::AxisUnit;
+use crate::pose::{Pose, PoseConvention};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 use crate::selection::ChosenSet;
 
@@ -28,14 +28,14 @@ pub(in crate::report::html) fn trace(r: &ChosenSet) -> Figure {
     }
 }
 
-/// The poses in three planes of the workspace.
-pub(in crate::report::html) fn coverage(r: &ChosenSet, given: usize, convention: &PoseConvention) -> Figure {
-    let coordinates: Vec<[f64; 6]> = r.poses.iter().map(|p| shown(&convention.coordinates(p))).collect();
+/// The poses, in the base frame, in four planes of the workspace.
+pub(in crate::report::html) fn coverage(poses: &[Pose], given: usize, convention: &PoseConvention) -> Figure {
+    let coordinates: Vec<[f64; 6]> = poses.iter().map(|p| shown(&convention.coordinates(p))).collect();
     let planes = [
         ("x (mm)", 0, "y (mm)", 1),
         ("x (mm)", 0, "z (mm)", 2),
-        ("rx (deg)", 3, "ry (deg)", 4),
-        ("rx (deg)", 3, "rz (deg)", 5),
+        ("rx (°)", 3, "ry (°)", 4),
+        ("rx (°)", 3, "rz (°)", 5),
     ];
     let panel = |(x, i, y, j): (&str, usize, &str, usize)| {
         let series = |name: &str, colour: usize, of: &[[f64; 6]]| {
@@ -50,7 +50,7 @@ pub(in crate::report::html) fn coverage(r: &ChosenSet, given: usize, convention:
         Panel { x: Axis::linear(x), y: Axis::linear(y), series, ..Panel::default() }
     };
     Figure {
-        title: "Where the poses lie".into(),
+        title: "Where the poses lie, base frame".into(),
         description: "The chosen poses in four planes of the workspace.".into(),
         columns: 2,
         panels: planes.into_iter().map(panel).collect(),
@@ -87,9 +87,13 @@ pub(in crate::report::html) fn how_many(table: &[ChosenSet], n: usize) -> Figure
         rules: vec![Rule { horizontal: false, at: n as f64, label: "chosen".into() }],
         ..Panel::default()
     };
+    let errors = || table.iter().filter_map(error);
+    let lengths = AxisUnit::of_lengths(errors().map(|e| e.position_rms));
+    let angles = AxisUnit::of_angles(errors().map(|e| e.rotation_rms));
+    let label = |unit: AxisUnit| format!("predicted RMS error ({})", unit.name);
     let panels = [
-        panel("Position", "predicted RMS error (um)", points(&|r| Some(MICROMETRES * error(r)?.position_rms))),
-        panel("Attitude", "predicted RMS error (arcsec)", points(&|r| Some(ARCSECONDS * error(r)?.rotation_rms))),
+        panel("Position", &label(lengths), points(&|r| Some(lengths.per_si * error(r)?.position_rms))),
+        panel("Attitude", &label(angles), points(&|r| Some(angles.per_si * error(r)?.rotation_rms))),
         panel("Efficiency", "certified efficiency (%)", points(&|r| Some(100.0 * r.efficiency?))),
     ];
     Figure {

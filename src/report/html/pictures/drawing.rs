@@ -1,12 +1,15 @@
 //! The mechanism in perspective.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 
-use super::{ModelResiduals, round_up};
+use super::{ModelResiduals, Standing, round_up};
 use crate::measurement::DataRow;
-use crate::mechanism::{Body, Mechanism, characteristic_length};
+use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::Pose;
 use crate::report::chart::{Arrow, LineSegment, Scene, Silhouette, Triad};
+use crate::report::html::typeset::in_print;
 use crate::units::{show_length, three_digits};
 
 /// Longest arrow and widest spread of the poses, in radii of the platform.
@@ -14,6 +17,10 @@ const ARROW: f64 = 0.5;
 const SPREAD: f64 = 0.35;
 /// Largest tilt of a drawn pose, rad, where tilts are drawn larger than they are.
 const TILT: f64 = 0.8;
+/// Frames nearer than this, in radii of the platform, are one.
+const NEAR: f64 = 0.05;
+/// Part of a direction that must lie level for its arrow to do so.
+const LEVEL: f64 = 0.3;
 /// Length of the axes of a frame, in radii of the platform.
 const AXES: f64 = 0.35;
 
@@ -27,8 +34,8 @@ pub(in crate::report::html) struct Displacements {
 
 impl Displacements {
     /// The errors of a model, without those of gross rows, beside which no other could be seen.
-    pub(in crate::report::html) fn of(seen: &ModelResiduals, mechanism: &dyn Mechanism, gross: &[DataRow]) -> Self {
-        let centre = centre(&mechanism.platform_points());
+    pub(in crate::report::html) fn of(seen: &ModelResiduals, standing: &Standing, gross: &[DataRow]) -> Self {
+        let centre = standing.centre();
         let error = |pose: &Pose, motion: &nalgebra::Vector6<f64>| {
             let turn = Vector3::new(motion[3], motion[4], motion[5]);
             Vector3::new(motion[0], motion[1], motion[2]) + turn.cross(&(pose.place(&centre) - pose.position))
@@ -39,19 +46,20 @@ impl Displacements {
     }
 }
 
-/// The mechanism at home with its frames, the platform at `poses`, errors as arrows; `marked` legs stand out. `None` if
-/// nothing is known of where the legs stand.
+/// The mechanism at home in its base frame, the platform at `poses`, errors as arrows, and where the instrument is;
+/// `marked` legs stand out. `None` if nothing is known of where the legs stand.
 pub(in crate::report::html) fn drawing(
     mechanism: &dyn Mechanism,
+    standing: &Standing,
     poses: &[Pose],
     errors: Option<&Displacements>,
     marked: &[usize],
 ) -> Option<Scene> {
-    let (base, platform) = (points(mechanism, Body::Base), points(mechanism, Body::Platform));
+    let Standing { base, platform, home, .. } = standing;
     if platform.len() < 3 || base.len() < 2 {
         return None;
     }
-    let (home, size) = (mechanism.home(), characteristic_length(mechanism));
+    let size = characteristic_length(mechanism);
     let corners: Vec<Vector3<f64>> = platform.iter().map(|(_, p)| *p).collect();
     let mut notes = Vec::new();
     let spread = poses.iter().map(|p| (p.position - home.position).norm()).fold(0.0, f64::max);
@@ -84,7 +92,7 @@ pub(in crate::report::html) fn drawing(
         unit: if size < 0.5 { ("mm", 1e-3) } else { ("m", 1.0) },
         outlines: vec![
             outline("base", 6, &ring(&base.iter().map(|(_, p)| *p).collect::<Vec<_>>()), false),
-            outline("platform at home", 0, &placed(&home, &corners), false),
+            outline("platform at home", 0, &placed(home, &corners), false),
         ],
         ..Scene::default()
     };
@@ -92,7 +100,7 @@ pub(in crate::report::html) fn drawing(
     for pose in poses {
         scene.outlines.push(outline("platform at the poses", 2, &placed(&drawn(pose), &corners), true));
     }
-    scene.legs = legs(&base, &platform, &home, marked);
+    scene.legs = legs(base, platform, home, marked);
     let axes = |pose: &Pose| [0, 1, 2].map(|k| pose.rotation.matrix().column(k).into_owned().into());
     let triad = |label: &str, pose: &Pose| Triad {
         label: label.into(),
@@ -100,11 +108,13 @@ pub(in crate::report::html) fn drawing(
         axes: axes(pose),
         length: AXES * size,
     };
-    scene.frames = vec![triad("base", &Pose::identity()), triad("platform", &home)];
+    scene.frames = vec![triad("base", &Pose::identity()), triad("platform", home)];
     if let Some(errors) = errors {
-        notes.extend(add_arrows(&mut scene, errors, size, &centre(&corners), drawn));
+        notes.extend(add_arrows(&mut scene, errors, size, &standing.centre(), drawn));
     }
-    scene.note = notes.join(" ");
+    notes.push("Drawn in the base frame.".into());
+    notes.extend(add_instrument(&mut scene, standing, size));
+    scene.note = in_print(&notes.join(" "));
     Some(scene)
 }
 
@@ -150,6 +160,7 @@ fn add_arrows(
             from: from.into(),
             to: (from + magnified * error).into(),
             tip: show_length(error.norm()),
+            label: String::new(),
         });
     }
     Some(format!(
@@ -159,21 +170,53 @@ fn add_arrows(
     ))
 }
 
+/// Adds the direction to the origin of the instrument's frame, if that is not the origin of the base, and says where it is.
+/// It is far outside of the picture, or else the machine could not be seen.
+fn add_instrument(scene: &mut Scene, standing: &Standing, size: f64) -> Option<String> {
+    let distance = standing.instrument.norm();
+    if !(distance > NEAR * size) {
+        return None;
+    }
+    let middle = centre(standing.base.iter().map(|(_, p)| p));
+    let reach = standing.base.iter().map(|(_, p)| (p - middle).norm()).fold(0.0, f64::max);
+    // The arrow lies level, because a steep one would leave the ground; only what is above or below is seen there.
+    let mut way = standing.instrument - middle;
+    let height = standing.instrument.z;
+    if way.xy().norm() > LEVEL * way.norm() {
+        way.z = 0.0;
+    }
+    // Seen from here the arrow points to the right, a little to the front.
+    scene.view.azimuth = way.y.atan2(way.x) - FRAC_PI_2 + 0.35;
+    let toward = way / way.norm().max(f64::MIN_POSITIVE);
+    let [foot, head] = [1.15, 1.75].map(|part| middle + toward * (part * reach).min(way.norm()));
+    scene.arrows.push(Arrow {
+        name: "to the tracker".into(),
+        colour: 4,
+        from: foot.into(),
+        to: head.into(),
+        tip: format!("origin of the tracker's frame, {} from that of the base", show_length(distance)),
+        label: format!("tracker, {} away", show_length(distance)),
+    });
+    let side = if height < 0.0 { "below" } else { "above" };
+    let level = if height.abs() > NEAR * size {
+        format!(" and {} {side} it", show_length(height.abs()))
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "The origin of the tracker's frame is {} from that of the base, in the direction of its arrow{level}.",
+        show_length(distance)
+    ))
+}
+
 fn outline(name: &str, colour: usize, points: &[Vector3<f64>], thin: bool) -> Silhouette {
     Silhouette { name: name.into(), colour, points: points.iter().map(|p| (*p).into()).collect(), filled: false, thin }
 }
 
-/// Points of a body by leg: those of the parameters, or the platform points that are known without being identified.
-fn points(mechanism: &dyn Mechanism, body: Body) -> Vec<(usize, Vector3<f64>)> {
-    let identified = body.points(mechanism, mechanism.values());
-    match body {
-        Body::Platform if identified.is_empty() => mechanism.platform_points().into_iter().enumerate().collect(),
-        _ => identified,
-    }
-}
-
-fn centre(points: &[Vector3<f64>]) -> Vector3<f64> {
-    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
+/// The mean of some points.
+pub(super) fn centre<'a>(points: impl ExactSizeIterator<Item = &'a Vector3<f64>>) -> Vector3<f64> {
+    let n = points.len().max(1) as f64;
+    points.sum::<Vector3<f64>>() / n
 }
 
 fn placed(pose: &Pose, corners: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
@@ -182,7 +225,7 @@ fn placed(pose: &Pose, corners: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
 
 /// Points in order around their centre, seen from above.
 fn ring(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-    let centre = centre(points);
+    let centre = centre(points.iter());
     let mut ordered = points.to_vec();
     let angle = |p: &Vector3<f64>| (p.y - centre.y).atan2(p.x - centre.x);
     ordered.sort_by(|a, b| angle(a).total_cmp(&angle(b)));

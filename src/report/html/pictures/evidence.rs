@@ -1,6 +1,6 @@
 //! Evidence for the causes of a diagnosis.
 
-use super::{ARCSECONDS, MICROMETRES};
+use super::scale::AxisUnit;
 use crate::diagnosis::{Cause, Diagnosis};
 use crate::report::chart::{Axis, Figure, Panel, Rule, Series, Shape};
 
@@ -12,8 +12,8 @@ pub(in crate::report::html) fn added_variable(causes: &[Cause]) -> Figure {
         let leg = c.leg.map_or_else(String::new, |leg| format!(", leg {}", leg + 1));
         Panel {
             title: format!("{}{leg}", c.effect),
-            x: Axis::linear("part of the cause that nothing else imitates (sigma)"),
-            y: Axis::linear("residual without the cause (sigma)"),
+            x: Axis::linear("part of the cause that nothing else imitates (σ)"),
+            y: Axis::linear("residual without the cause (σ)"),
             series: vec![
                 Series::new("a reading", 0, Shape::Dots, points),
                 Series::new("what the cause predicts", 1, Shape::Line, vec![[low, low], [high, high]]),
@@ -35,23 +35,27 @@ pub(in crate::report::html) fn added_variable(causes: &[Cause]) -> Figure {
 /// Held-out errors without and with the causes.
 pub(in crate::report::html) fn gain(d: &Diagnosis) -> Figure {
     let g = &d.gain;
-    let panel = |title: &str, label: &str, before: Option<f64>, after: Option<f64>, floor: Option<f64>, unit: f64| {
-        let points = [before, after].iter().enumerate().filter_map(|(k, v)| Some([k as f64, unit * (*v)?])).collect();
-        Panel {
-            title: title.into(),
-            x: Axis::named("", vec!["parameters alone".into(), "with the causes".into()]),
-            y: Axis::linear(label),
-            series: vec![Series::new("", 0, Shape::Bars { width: 0.5 }, points)],
-            rules: floor
-                .map(|at| Rule { horizontal: true, at: unit * at, label: "stated noise".into() })
-                .into_iter()
-                .collect(),
-            ..Panel::default()
-        }
-    };
+    let lengths = AxisUnit::of_lengths([g.position_before, g.position_after].into_iter().flatten());
+    let angles = AxisUnit::of_angles([g.rotation_before, g.rotation_after].into_iter().flatten());
+    let panel =
+        |title: &str, label: &str, before: Option<f64>, after: Option<f64>, floor: Option<f64>, unit: AxisUnit| {
+            let bars = [before, after].into_iter().enumerate();
+            let points = bars.filter_map(|(k, v)| Some([k as f64, unit.per_si * v?])).collect();
+            Panel {
+                title: title.into(),
+                x: Axis::named("", vec!["parameters alone".into(), "with the causes".into()]),
+                y: Axis::linear(format!("{label} ({})", unit.name)),
+                series: vec![Series::new("", 0, Shape::Bars { width: 0.5 }, points)],
+                rules: floor
+                    .map(|at| Rule { horizontal: true, at: unit.per_si * at, label: "stated noise".into() })
+                    .into_iter()
+                    .collect(),
+                ..Panel::default()
+            }
+        };
     let panels = [
-        panel("Position", "RMS (um)", g.position_before, g.position_after, g.noise_floor_position, MICROMETRES),
-        panel("Attitude", "RMS (arcsec)", g.rotation_before, g.rotation_after, g.noise_floor_rotation, ARCSECONDS),
+        panel("Position", "RMS", g.position_before, g.position_after, g.noise_floor_position, lengths),
+        panel("Attitude", "RMS", g.rotation_before, g.rotation_after, g.noise_floor_rotation, angles),
     ];
     Figure {
         title: "Error on held-out rows".into(),
@@ -70,7 +74,8 @@ pub(in crate::report::html) fn sizes(d: &Diagnosis) -> Figure {
         .causes
         .iter()
         .flat_map(|c| {
-            let name = move |p: &str| format!("{} {p}", c.effect);
+            let leg = c.leg.map_or_else(String::new, |leg| format!(" leg {}", leg + 1));
+            let name = move |p: &str| format!("{}{leg} {p}", c.effect);
             c.parameters.iter().map(move |p| (name(&p.name), p.value / p.scale, 2.0 * p.sigma.unwrap_or(0.0) / p.scale))
         })
         .collect();
@@ -78,9 +83,9 @@ pub(in crate::report::html) fn sizes(d: &Diagnosis) -> Figure {
     let ends = all.iter().map(|(_, v, half)| [v - half, v + half]).collect();
     let panel = Panel {
         x: Axis::named("parameter", all.iter().map(|(name, ..)| name.clone()).collect()),
-        y: Axis::linear("value relative to its usual size, ± 2 sigma"),
+        y: Axis::linear("value relative to its usual size, ± 2 σ"),
         series: vec![Series::new("", 0, Shape::ErrorBars { ends }, points)],
-        rules: vec![Rule { horizontal: true, at: 0.0, label: "none".into() }],
+        rules: vec![Rule { horizontal: true, at: 0.0, label: String::new() }],
         ..Panel::default()
     };
     Figure {

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
+use super::ModelResiduals;
+use super::scale::AxisUnit;
 use crate::measurement::{DataRow, RowKind};
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 
@@ -19,16 +20,17 @@ pub(in crate::report::html) fn histograms(
 ) -> Figure {
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
+        let usual = || model.deviations.iter().filter(|d| !gross.contains(&d.row)).flat_map(|d| &d.readings);
+        let of = |kind: RowKind| usual().filter(move |(of, v)| *of == kind && v.is_finite()).map(|(_, v)| *v);
         let kinds = [
-            (RowKind::Position, "position component (um)", MICROMETRES, 0),
-            (RowKind::Rotation, "angle component (arcsec)", ARCSECONDS, 1),
+            (RowKind::Position, "position component", AxisUnit::of_lengths(of(RowKind::Position))),
+            (RowKind::Rotation, "angle component", AxisUnit::of_angles(of(RowKind::Rotation))),
         ];
-        for (kind, label, unit, k) in kinds {
-            let readings = model.deviations.iter().filter(|d| !gross.contains(&d.row)).flat_map(|d| &d.readings);
-            let values: Vec<f64> =
-                readings.filter(|(of, v)| *of == kind && v.is_finite()).map(|(_, v)| unit * v).collect();
+        for (k, (kind, label, unit)) in kinds.into_iter().enumerate() {
+            let values: Vec<f64> = of(kind).map(|v| unit.per_si * v).collect();
             if !values.is_empty() {
-                panels.push(panel(&model.name, colour, label, &values, noise.map(|n| unit * n[k])));
+                let label = format!("{label} ({})", unit.name);
+                panels.push(panel(&model.name, colour, &label, &values, noise.map(|n| unit.per_si * n[k])));
             }
         }
     }

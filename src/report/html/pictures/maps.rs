@@ -1,10 +1,11 @@
 //! Errors over the workspace.
 
-use super::{ARCSECONDS, MICROMETRES, ModelResiduals};
+use super::ModelResiduals;
 use crate::identification::SampleError;
 use crate::measurement::DataRow;
 use crate::pose::PoseConvention;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::report::html::typeset::in_print;
 use crate::units::{show_angle, show_length};
 
 /// Coordinates that make a map: name, its place in the pose, unit.
@@ -18,8 +19,7 @@ pub(in crate::report::html) fn maps(
 ) -> Figure {
     let measured = models.first().is_some_and(|m| m.errors.samples.iter().any(|s| s.position.is_some()));
     let of = |s: &SampleError| if measured { s.position } else { s.rotation };
-    let (unit, show): (f64, fn(f64) -> String) =
-        if measured { (MICROMETRES, show_length) } else { (ARCSECONDS, show_angle) };
+    let show: fn(f64) -> String = if measured { show_length } else { show_angle };
     let poses = |model: &ModelResiduals| -> Vec<[f64; 6]> {
         model.deviations.iter().map(|d| convention.coordinates(&d.pose)).map(|q| shown(&q)).collect()
     };
@@ -36,8 +36,8 @@ pub(in crate::report::html) fn maps(
         let coordinates = poses(model);
         for plane in &planes {
             let points = coordinates.iter().map(|q| plane.map(|(_, k)| q[k])).collect();
-            let label = |(name, k): (&str, usize)| format!("{name} ({})", if k < 3 { "mm" } else { "deg" });
-            let shape = Shape::Bubbles { sizes: sizes.iter().map(|s| unit * s).collect(), full: unit * largest };
+            let label = |(name, k): (&str, usize)| format!("{name} ({})", if k < 3 { "mm" } else { "°" });
+            let shape = Shape::Bubbles { sizes: sizes.clone(), full: largest };
             panels.push(Panel {
                 x: Axis::linear(label(plane[0])),
                 y: Axis::linear(label(plane[1])),
@@ -45,7 +45,7 @@ pub(in crate::report::html) fn maps(
                     format!(
                         "{}; the largest circle is {}{}",
                         model.name,
-                        show(largest),
+                        in_print(&show(largest)),
                         if gross.is_empty() { "" } else { " or a gross error" }
                     ),
                     colour,
@@ -58,9 +58,9 @@ pub(in crate::report::html) fn maps(
     }
     let what = if measured { "position" } else { "angle" };
     Figure {
-        title: format!("Where in the workspace: {what} error by area of the circle"),
+        title: format!("Where in the workspace, base frame: {what} error by area of the circle"),
         description: format!(
-            "Each sample at its pose in three planes of the workspace, as a circle whose area is its {what} error; a row of \
+            "Each sample at its pose in the base frame, in three planes of the workspace, as a circle whose area is its {what} error; a row of \
              maps for each model."
         ),
         columns: 3,

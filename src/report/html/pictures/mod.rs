@@ -9,37 +9,40 @@
 //! | `drawing` | what does it look like? |
 //! | `parameters` | which parameters are known, and which are correlated? |
 //! | `evidence` | does the named cause follow the data? |
+//! | `conditions` | what changed during the run? |
 //! | `choice` | what do the chosen poses promise? |
 
 mod by_row;
 mod choice;
+mod conditions;
 mod drawing;
 mod evidence;
 mod histograms;
 mod maps;
 mod parameters;
+mod scale;
+mod standing;
 mod strips;
 
 pub(super) use by_row::by_row;
 pub(super) use choice::{coverage, how_many, trace};
+pub(super) use conditions::conditions;
 pub(super) use drawing::{Displacements, drawing};
 pub(super) use evidence::{added_variable, gain, sizes};
 pub(super) use histograms::histograms;
 pub(super) use maps::maps;
 pub(super) use parameters::{correlation, deviations};
+pub(super) use standing::Standing;
 pub(super) use strips::{Layer, gross, strips};
 
 use crate::identification::{Deviation, IdentifyError, ModelErrors};
-use crate::measurement::{DataRow, Dataset};
+use nalgebra::{Vector3, Vector6};
+
+use crate::measurement::{DataRow, Dataset, Frames};
 use crate::mechanism::Mechanism;
 
 /// What rows that look like gross errors are called in legends.
 const GROSS: &str = "looks like a gross error";
-
-/// Micrometres in a metre.
-const MICROMETRES: f64 = 1e6;
-/// Arc seconds in a radian.
-const ARCSECONDS: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Data evaluated with one model.
 #[derive(Clone, Debug)]
@@ -67,6 +70,22 @@ impl ModelResiduals {
     ) -> Result<Self, IdentifyError> {
         let deviations = crate::identification::deviations(mechanism, own, data)?;
         Ok(Self { name: name.into(), errors: ModelErrors::of(&deviations), deviations })
+    }
+
+    /// The same with poses and motions in the base frame of a mechanism that stands in these frames.
+    #[must_use]
+    pub fn in_base(mut self, frames: &Frames) -> Self {
+        let turn = frames.base.rotation.inverse();
+        for d in &mut self.deviations {
+            let [shift, turned] = [0, 3].map(|k| Vector3::new(d.motion[k], d.motion[k + 1], d.motion[k + 2]));
+            let pose = frames.platform(&d.pose);
+            // The origin of the platform moves with the target about which the motion is stated.
+            let arm = frames.base.place(&pose.position) - d.pose.position;
+            let (shift, turned) = (turn * (shift + turned.cross(&arm)), turn * turned);
+            d.motion = Vector6::new(shift.x, shift.y, shift.z, turned.x, turned.y, turned.z);
+            d.pose = pose;
+        }
+        self
     }
 
     /// Data row and deviation of each joint, SI.

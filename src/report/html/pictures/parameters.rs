@@ -2,48 +2,59 @@
 
 use nalgebra::DMatrix;
 
+use super::scale::AxisUnit;
 use crate::identification::Estimate;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
-use crate::units::Dimension;
+use crate::units::{Dimension, show_length};
 
 /// More parameters than this make no readable matrix.
 const MOST: usize = 60;
 
-/// Deviations of lengths from the file with ± 2 σ, mm.
-pub(in crate::report::html) fn deviations(parameters: &[Estimate]) -> Option<Figure> {
+/// The axis ends at this many of the largest σ, or of the largest tolerance.
+const SIGMAS: f64 = 10.0;
+const TOLERANCES: f64 = 5.0;
+/// Deviations up to this, m, are not shown in millimetres.
+const LEAST: f64 = 5e-5;
+
+/// Deviations of lengths from the file with ± 2 σ, and the names of those that lie beyond the picture.
+pub(in crate::report::html) fn deviations(parameters: &[Estimate]) -> Option<(Figure, Vec<String>)> {
     let lengths: Vec<&Estimate> = parameters.iter().filter(|p| p.spec.dimension == Dimension::Length).collect();
     if lengths.is_empty() {
         return None;
     }
-    let mm = |p: &Estimate| 1e3 * (p.value - p.start);
-    let points: Vec<[f64; 2]> = lengths.iter().enumerate().map(|(k, p)| [k as f64, mm(p)]).collect();
-    let end = |p: &&Estimate| {
-        let half = 2e3 * p.sigma.unwrap_or(0.0);
-        [mm(p) - half, mm(p) + half]
-    };
-    let ends = lengths.iter().map(end).collect();
-    let mut series = vec![Series::new("deviation, ± 2 sigma", 0, Shape::ErrorBars { ends }, points)];
-    let tolerance = |sign: f64| -> Vec<[f64; 2]> {
-        let at = |(k, p): (usize, &&Estimate)| Some([k as f64, sign * 1e3 * p.spec.tolerance?]);
-        lengths.iter().enumerate().filter_map(at).collect()
-    };
-    series.push(Series::new("tolerance, 1 sigma", 1, Shape::Dashed, tolerance(1.0)));
-    series.push(Series::new("tolerance, 1 sigma", 1, Shape::Dashed, tolerance(-1.0)));
-    let panel = Panel {
-        x: Axis::named("parameter", lengths.iter().map(|p| p.spec.name.clone()).collect()),
-        y: Axis::linear("deviation from the file (mm)"),
-        series,
-        ..Panel::default()
-    };
-    Some(Figure {
+    let of = |p: &Estimate| p.value - p.start;
+    let half = |p: &Estimate| 2.0 * p.sigma.unwrap_or(0.0);
+    let largest = |v: fn(&Estimate) -> Option<f64>| lengths.iter().filter_map(|p| v(p)).fold(0.0, f64::max);
+    let limit = (SIGMAS * largest(|p| p.sigma)).max(TOLERANCES * largest(|p| p.spec.tolerance));
+    let needed = lengths.iter().map(|p| of(p).abs() + half(p)).fold(0.0, f64::max);
+    // Drawings are in millimetres.
+    let shown = if limit > 0.0 { needed.min(limit) } else { needed };
+    let unit = if shown > LEAST { AxisUnit::MILLIMETRES } else { AxisUnit::of_lengths([shown]) };
+    let beyond = |p: &&&Estimate| limit > 0.0 && of(p).abs() > limit;
+    let beyond = lengths.iter().filter(beyond).map(|p| format!("{} ({})", p.spec.name, show_length(of(p)))).collect();
+    let at = |k: usize, v: f64| [k as f64, unit.per_si * v];
+    let points: Vec<[f64; 2]> = lengths.iter().enumerate().map(|(k, p)| at(k, of(p))).collect();
+    let ends = lengths.iter().map(|p| [-1.0, 1.0].map(|side| unit.per_si * (of(p) + side * half(p)))).collect();
+    let mut series = vec![Series::new("deviation, ± 2 σ", 0, Shape::ErrorBars { ends }, points)];
+    for sign in [1.0, -1.0] {
+        let tolerance = |(k, p): (usize, &&Estimate)| Some(at(k, sign * p.spec.tolerance?));
+        let points = lengths.iter().enumerate().filter_map(tolerance).collect();
+        series.push(Series::new("tolerance, 1 σ", 1, Shape::Dashed, points));
+    }
+    let mut y = Axis::linear(format!("deviation ({})", unit.name));
+    // Ticks beyond the data may reach farther than the data do.
+    y.range = (limit > 0.0 && 1.5 * needed > limit).then_some((-unit.per_si * limit, unit.per_si * limit));
+    let x = Axis::named("parameter", lengths.iter().map(|p| p.spec.name.clone()).collect());
+    let figure = Figure {
         title: "Deviations of the length parameters".into(),
         description:
             "Deviation of each length parameter from the mechanism file with its uncertainty, compared with its \
              tolerance."
                 .into(),
         columns: 1,
-        panels: vec![panel],
-    })
+        panels: vec![Panel { x, y, series, ..Panel::default() }],
+    };
+    Some((figure, beyond))
 }
 
 /// Correlations of the identified parameters as a matrix of tinted cells.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{ARCSECONDS, GROSS, MICROMETRES};
+use super::GROSS;
+use super::scale::AxisUnit;
 use crate::conditions::{ConditionKind, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::measurement::{DataRow, Dataset, Sample};
 use crate::mechanism::JointSpec;
@@ -61,7 +62,7 @@ pub(in crate::report::html) fn strips(
         .filter(changes)
         .map(|against| {
             let panel = |(leg, joint): (usize, &JointSpec)| {
-                let (unit, per_si) = unit(joint.dimension);
+                let (unit, per_si) = unit(joint.dimension, layers);
                 let mut series = Vec::new();
                 let mut gross = Vec::new();
                 for layer in layers {
@@ -99,29 +100,35 @@ pub(in crate::report::html) fn strips(
         .collect()
 }
 
-/// Unit of a residual in a joint, and how many of it make one in SI.
-fn unit(dimension: Dimension) -> (&'static str, f64) {
+/// Unit of residuals in joints of a dimension, and how many of it make one in SI.
+fn unit(dimension: Dimension, layers: &[Layer<'_>]) -> (&'static str, f64) {
+    let sizes = layers.iter().flat_map(|l| &l.residuals).flat_map(|(_, r)| r.iter().copied());
+    let of = |unit: AxisUnit| (unit.name, unit.per_si);
     match dimension {
-        Dimension::Length => ("um", MICROMETRES),
-        Dimension::Angle => ("arcsec", ARCSECONDS),
+        Dimension::Length => of(AxisUnit::of_lengths(sizes)),
+        Dimension::Angle => of(AxisUnit::of_angles(sizes)),
         other => (other.si(), 1.0),
     }
 }
 
+/// The axis of the run: the time if every sample has one, or else the data row; and the place of a sample on it.
+pub(super) fn course(data: &Dataset) -> (String, fn(&Sample) -> Option<f64>) {
+    let times = || data.iter().filter_map(|s| s.conditions.get(TIME));
+    let (from, to) = times().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+    if data.is_empty() || times().count() < data.len() {
+        return ("data row".into(), |s| Some(s.row.0 as f64));
+    }
+    match to - from {
+        span if span < 180.0 => ("time (s)".into(), |s| s.conditions.get(TIME)),
+        span if span < 7200.0 => ("time (min)".into(), |s| s.conditions.get(TIME).map(|t| t / 60.0)),
+        _ => ("time (h)".into(), |s| s.conditions.get(TIME).map(|t| t / 3600.0)),
+    }
+}
+
 fn all(data: &Dataset, joints: &[JointSpec], kinds: &ConditionTable) -> Vec<Against> {
-    let timed = data.iter().all(|s| s.conditions.get(TIME).is_some());
-    let first = match timed {
-        true => Against {
-            title: "time".into(),
-            label: "time (h)".into(),
-            of: Box::new(|s, _| s.conditions.get(TIME).map(|t| t * (1.0 / 3600.0))),
-        },
-        false => Against {
-            title: "the data row".into(),
-            label: "data row".into(),
-            of: Box::new(|s, _| Some(s.row.0 as f64)),
-        },
-    };
+    let (label, at) = course(data);
+    let title = if label == "data row" { "the data row" } else { "time" };
+    let first = Against { title: title.into(), label, of: Box::new(move |s, _| at(s)) };
     let of_joint = joints.first().map_or(Dimension::None, |j| j.dimension);
     let (joint_unit, per_si) = of_joint.in_tables();
     let alike = joints.iter().all(|j| j.dimension == of_joint);
