@@ -11,8 +11,11 @@ use crate::diagnosis::preflight::compare::preflight;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::iteration::Search;
 use crate::effect::Environment;
-use crate::identification::{ErrorSummary, Prior, register};
+use crate::identification::{
+    CalibrationProblem, Conventions, ErrorSummary, Identifier, LevenbergMarquardt, Prior, PriorPolicy, Task, register,
+};
 use crate::measurement::Dataset;
+use crate::mechanism::Mechanism;
 use crate::units::shortened;
 
 /// Samples that can be searched in minutes, with a few gigabytes.
@@ -28,13 +31,17 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         return Err(DiagnoseError::TooManySamples { samples: data.len(), most: MOST_SAMPLES });
     }
     let convention = &convention;
-    let prior = Prior::wide(mechanism, TOLERANCES);
+    let prior = Prior::wide(mechanism, TOLERANCES, Conventions::FRAMES);
     if let Some(misread) = preflight(mechanism, data, convention, &prior) {
         return Ok(misread_file(data, misread));
     }
     let (data, gaps) = complete_rows(data);
     let registration = register(mechanism, &data)?;
     let data = data.with_frames(registration.frames);
+    let prior = match zeros_are_elsewhere(mechanism, &data) {
+        true => Prior::wide(mechanism, TOLERANCES, Conventions { zeros: true, ..Conventions::FRAMES }),
+        false => prior,
+    };
     let environment = Arc::new(question.environment.with_references_of(&data));
     let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let known = question.noise_known && data.noise.known;
@@ -42,6 +49,18 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let mut found = findings(question, &subject, &state, missing, &registration)?;
     found.warnings.extend(gaps);
     Ok(found)
+}
+
+/// True if the joints count from elsewhere than the drawing says, by more than a search would allow them: a convention and no
+/// cause.
+fn zeros_are_elsewhere(mechanism: &dyn Mechanism, data: &Dataset) -> bool {
+    let task = Task { prior: PriorPolicy::Tolerance, conventions: Conventions::FRAMES, ..Task::new(mechanism, data) };
+    let found =
+        CalibrationProblem::new(&task).and_then(|mut problem| LevenbergMarquardt::default().estimate(&mut problem));
+    found.is_ok_and(|fit| {
+        let values = &fit.values.as_slice()[..mechanism.parameters().len()];
+        Conventions::contradicted(mechanism, values, TOLERANCES).zeros
+    })
 }
 
 /// Part of the rows that must have a covariate for rows without it to be left out, rather than the covariate.

@@ -206,7 +206,7 @@ fn contradicted(found: &Solved<'_>) -> Result<Option<Belief>, IdentifyError> {
     let (problem, mechanism) = (&found.problem, found.problem.mechanism());
     let belief = problem.belief();
     let values = &found.fit.values.as_slice()[..problem.mechanism_parameters()];
-    let mut seen = Conventions::contradicted(mechanism, values);
+    let mut seen = Conventions::contradicted(mechanism, values, 1.0);
     seen.target &= !places_are_identified(problem.data());
     let conventions = belief.conventions.or(seen);
     if conventions != belief.conventions || seen != Conventions::STATED && belief.centre.is_none() {

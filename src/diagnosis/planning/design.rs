@@ -11,7 +11,7 @@ use crate::diagnosis::linear::kept_rows::KeptRows;
 use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::question::{Question, TOLERANCES};
-use crate::identification::{IdentifyError, Prior};
+use crate::identification::{Conventions, IdentifyError, Prior};
 use crate::measurement::{DataRow, Dataset, Noise, PoseMeasurement, PoseReading, Sample};
 use crate::mechanism::Mechanism;
 use crate::pose::{Pose, PoseConvention};
@@ -46,7 +46,7 @@ pub fn planned(
 /// # Errors
 /// [`DiagnoseError`] if the samples decide too little.
 pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<NotTestable>), DiagnoseError> {
-    let prior = Prior::wide(question.mechanism, TOLERANCES);
+    let prior = Prior::wide(question.mechanism, TOLERANCES, Conventions::FRAMES);
     let environment = Arc::new(question.environment.with_references_of(question.data));
     let (subject, mut missing) =
         Hypotheses::new(question.mechanism, question.data, environment, prior, &question.catalogue);

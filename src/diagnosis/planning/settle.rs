@@ -15,7 +15,7 @@ use crate::diagnosis::planning::design::{model_of, planned, table_of};
 use crate::diagnosis::planning::scenarios::scenarios;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::stepwise::{TOLD_APART, related, separability};
-use crate::identification::Prior;
+use crate::identification::{Conventions, Prior};
 use crate::measurement::{Dataset, Noise, RowKind, Sample};
 use crate::mechanism::Mechanism;
 
@@ -96,7 +96,7 @@ fn separations(
     let noise = Noise { position: stated.position * scale, rotation: stated.rotation * scale, ..stated };
     let data = planned(mechanism, samples, question.convention, noise, measured(question.data))?;
     let environment = Arc::new(question.environment.with_references_of(question.data));
-    let prior = Prior::wide(mechanism, TOLERANCES);
+    let prior = Prior::wide(mechanism, TOLERANCES, Conventions::FRAMES);
     let (subject, _) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let table = table_of(&subject)?;
     let named = |c: &Cause| candidate(&subject, &c.effect, c.leg, c.row, c.of.as_ref());

@@ -43,17 +43,18 @@ impl Conventions {
         [self.target, self.tracker, self.zeros, false]
     }
 
-    /// All free.
-    pub(crate) const FREE: Self = Self { target: true, tracker: true, zeros: true };
+    /// Where tracker and target are is not known.
+    pub const FRAMES: Self = Self { target: true, tracker: true, zeros: false };
 
-    /// Those that the identified values contradict: along them the points, or the zeros, moved farther than their tolerances
+    /// Those that the identified values contradict: along them the points, or the zeros, moved farther than so many tolerances
     /// allow.
-    pub fn contradicted(mechanism: &dyn Mechanism, values: &[f64]) -> Self {
+    pub fn contradicted(mechanism: &dyn Mechanism, values: &[f64], tolerances: f64) -> Self {
         let start = mechanism.values();
         let differs = |group: usize| {
             let Some(group) = &Group::all(mechanism)[group] else { return false };
             let Some(q) = &group.convention else { return false };
-            let shift = group.members.iter().zip(&group.widths).map(|(k, w)| (values[*k] - start[*k]) / w);
+            let shift =
+                group.members.iter().zip(&group.widths).map(|(k, w)| (values[*k] - start[*k]) / (tolerances * w));
             let along = q.transpose() * DVector::from_iterator(group.members.len(), shift);
             ChiSquared::new(q.ncols() as f64).is_ok_and(|chi| chi.sf(along.norm_squared()) < NOT_STATED)
         };

@@ -76,10 +76,10 @@ impl Prior {
         Ok(Self { centre, rows, held: None })
     }
 
-    /// A prior for a search through causes: each parameter lies within `factor` tolerances of its start, and conventions are
-    /// as good as free. Parameters without a tolerance get a width that only keeps them finite: a hundredth of
+    /// A prior for a search through causes: each parameter lies within `factor` tolerances of its start, and
+    /// `conventions` are as good as free. Parameters without a tolerance get a width that only keeps them finite: a hundredth of
     /// the size of the mechanism for lengths, a hundredth of a radian for angles, a tenth of their value otherwise.
-    pub fn wide(mechanism: &dyn Mechanism, factor: f64) -> Self {
+    pub fn wide(mechanism: &dyn Mechanism, factor: f64, conventions: Conventions) -> Self {
         let size = characteristic_length(mechanism);
         let specs = mechanism.parameters();
         let width = |spec: &ParameterSpec, value: f64| {
@@ -93,7 +93,7 @@ impl Prior {
             )
         };
         let widths: Vec<f64> = specs.iter().zip(mechanism.values()).map(|(s, v)| width(s, *v)).collect();
-        let rows = rows(mechanism, &widths, Belief::stated(Conventions::FREE).narrowness());
+        let rows = rows(mechanism, &widths, Belief::stated(conventions).narrowness());
         Self { centre: mechanism.values().to_vec(), rows, held: None }
     }
 
