@@ -13,7 +13,7 @@ use crate::identification::judgement::drawing::{DrawingTest, widened};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
-use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target};
+use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target, visible_directions};
 use crate::identification::judgement::verdict::{judge, judge_drawing, judge_poses, judge_prediction};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
@@ -71,8 +71,9 @@ pub fn calibrate(
     let drawing = DrawingTest::of(&problem, &fit)?;
     let mut verdict = judge(mechanism, data, &found, converged);
     judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
-    if found.prior {
-        judge_poses(&mut verdict, seen, found.mechanism_parameters);
+    if found.prior && 2 * seen < found.mechanism_parameters {
+        let (poses, convention) = poses_to_predict(&found, workspace, options);
+        judge_poses(&mut verdict, seen, visible_directions(mechanism, &wider, &poses, &convention));
     }
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
     let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(

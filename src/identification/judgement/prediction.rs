@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix6};
 
 use crate::conditions::Conditions;
 use crate::mechanism::{KinematicsError, Mechanism, MotionBlock, motion_of_point};
-use crate::observability::PredictedError;
+use crate::observability::{PredictedError, Spectrum};
 use crate::pose::{Pose, PoseConvention};
 
 /// Covariance (6 × 6) of the pose predicted for given joints, along small motions `(δt, δω)` of the platform:
@@ -36,6 +36,30 @@ pub fn predicted_errors(
     let blocks: Vec<DMatrix<f64>> =
         poses.iter().filter_map(|pose| motion_of_point(mechanism, pose, &convention.pivot).ok()).collect();
     (!blocks.is_empty()).then(|| PredictedError::over(&blocks, covariance))
+}
+
+/// A direction is seen if it moves some pose by at least this part of what the strongest does.
+const UNSEEN: f64 = 1e-9;
+
+/// How many directions of the parameters, in units of their tolerances times `factors`, move any of these poses.
+pub(crate) fn visible_directions(
+    mechanism: &dyn Mechanism,
+    factors: &[f64],
+    poses: &[Pose],
+    convention: &PoseConvention,
+) -> usize {
+    let blocks: Vec<DMatrix<f64>> =
+        poses.iter().filter_map(|pose| motion_of_point(mechanism, pose, &convention.pivot).ok()).collect();
+    let mut rows = DMatrix::zeros(6 * blocks.len(), factors.len());
+    for (k, block) in blocks.iter().enumerate() {
+        rows.rows_mut(6 * k, 6).copy_from(block);
+    }
+    for (k, (spec, factor)) in mechanism.parameters().iter().zip(factors).enumerate() {
+        rows.column_mut(k).scale_mut(factor * spec.tolerance.unwrap_or(1.0));
+    }
+    let values = Spectrum::of(&rows, 0, false).values;
+    let limit = UNSEEN * values.iter().copied().fold(0.0, f64::max);
+    values.iter().filter(|v| **v > limit).count()
 }
 
 /// The same of the frame in which the identified targets sit, `motion` (6 × own) being how far each own parameter of the

@@ -109,12 +109,12 @@ pub(crate) fn judge_drawing(
     }
 }
 
-/// What the number of directions says that the data know better than the tolerances do.
-pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, seen: usize, parameters: usize) {
-    if 2 * seen < parameters {
+/// What the number of directions says that the data know better than the tolerances do, of those that move the pose at all.
+pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, seen: usize, visible: usize) {
+    if 2 * seen < visible {
         verdict.distrust(format!(
-            "the data determine {seen} of {parameters} directions better than [tolerance] does, and nothing checks the rest \
-             of the drawing; measure more and other poses"
+            "the data determine {seen} of the {visible} directions that matter better than [tolerance] does, and nothing \
+             checks the rest of the drawing; measure more and other poses"
         ));
     }
 }

@@ -100,7 +100,8 @@ fn ends(bench: &Bench, call: &str) -> (i32, Option<Value>) {
     let code = output.status.code().unwrap();
     assert!(!message.contains("panicked") && [0, 2, 3].contains(&code), "{call}: {code} {message}");
     assert!(code != 2 || message.starts_with("error: "), "{message}");
-    (code, serde_json::from_slice(&output.stdout).ok())
+    let object: Option<Value> = serde_json::from_slice(&output.stdout).ok();
+    (code, object.filter(|o| o.get("error").is_none()))
 }
 
 #[test]

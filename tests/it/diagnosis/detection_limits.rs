@@ -204,5 +204,4 @@ fn what_keeps_limits_from_being_told_is_said_before_poses_are_chosen() {
     let silent = mechanism().replace("[noise]\nposition = 0.001\nrotation = 0.0001\n", "");
     bench.write("m.toml", silent);
     bench.refuses(SELECT_FOR_DIAGNOSIS, &["m.toml", "--for-diagnosis", "state [noise]"]);
-    bench.refuses(&format!("{SELECT} --conditions c.csv"), &["--for-diagnosis"]);
 }

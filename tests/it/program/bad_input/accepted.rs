@@ -42,8 +42,10 @@ fn rows_without_a_reading_cannot_be_held_out() {
         _ => line.split(',').take(6).collect::<Vec<_>>().join(",") + ",,,,,,\n",
     };
     let text: String = NOISY.lines().enumerate().map(line).collect();
-    let output = writes(&Bench::new(TABLE_5, text), CALIBRATE, &["o.toml"]);
-    assert!(String::from_utf8_lossy(&output.stdout).contains("not held out"));
+    // One row says too little of 42 parameters to be trusted; the result is written all the same.
+    let bench = Bench::new(TABLE_5, text);
+    let shown = bench.exits(3, CALIBRATE).out;
+    assert!(shown.contains("not held out") && shown.contains("Do not trust") && bench.has("o.toml"), "{shown}");
 }
 
 #[test]
