@@ -6,6 +6,8 @@ mod forward_batch;
 mod forward_kinematics;
 #[cfg(feature = "conformance")]
 mod kinds;
+#[cfg(all(feature = "cli", feature = "conformance"))]
+mod mounted;
 mod own_machine;
 #[cfg(feature = "conformance")]
 mod own_mechanism;
