@@ -85,11 +85,9 @@ fn tolerances_that_the_data_contradict_are_widened_and_the_error_is_true() {
             let found = calibrated(&machine, &data, PriorPolicy::Auto);
             assert!(found.verdict.trusted, "{stated}, {seed}: {:?}", found.verdict.reasons);
             let [platform, base, ..] = found.tolerance_factors;
-            let true_factor = 0.4 / stated;
-            // A handful of directions of each body tell it: σ is a quarter.
-            for factor in [platform, base] {
-                assert!((0.4..2.3).contains(&(factor / true_factor)), "{stated}, {seed}: {factor}");
-            }
+            // Both bodies move the legs alike, and what one does not take the other does.
+            let factor = f64::midpoint(platform * platform, base * base).sqrt() / (0.4 / stated);
+            assert!((0.5..2.0).contains(&factor), "{stated}, {seed}: {:?}", found.tolerance_factors);
             assert!(found.verdict.warnings.iter().any(|w| w.contains("times as much as [tolerance] states")));
             ratios.push(ratio(&found, &fresh));
             // Whoever insists on the stated width is told that it does not hold.
