@@ -42,9 +42,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
             save(text, path)?;
             let shown = path.display().to_string();
             let said = format!("{shown} written: {label}; put in your own numbers, then: paracal inspect {shown}");
-            ui.result(&said, &json!({ "type": kind, "label": label, "output": shown }));
+            ui.result(&said, &json!({ "type": kind, "label": label, "output": shown }))?;
         }
-        None if ui.json => ui.result("", &json!({ "type": kind, "label": label, "text": text })),
+        None if ui.json => ui.result("", &json!({ "type": kind, "label": label, "text": text }))?,
         None => {
             use std::io::Write;
             // A reader that closed the pipe wants no more.
