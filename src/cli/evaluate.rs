@@ -32,6 +32,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
+    ui.not_used(&measurement);
     ui.refer(&mut machine, &measurement.data, &args.data);
     let mechanism = machine.mechanism.as_ref();
     let wrong = |error| about(error, &machine, &args.data, &measurement.data);
