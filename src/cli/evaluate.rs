@@ -49,6 +49,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
         ui.write(outputs)?;
     }
-    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors))?;
+    let mut object = json::evaluation(&errors);
+    object["columns_not_used"] = measurement.columns_not_used.as_slice().into();
+    ui.result(&text::evaluation(&errors, mechanism.name()), &object)?;
     Ok(ExitCode::SUCCESS)
 }

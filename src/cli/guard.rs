@@ -9,8 +9,9 @@ use crate::files::{CsvTable, Machine};
 use crate::mechanism::is_reached;
 use crate::units::{data_rows, show_angle, show_length};
 
-/// Poses at the edge of the workspace are inside, m and rad.
-const ROUNDING: f64 = 1e-9;
+/// Poses beyond the workspace by this part of a half-range are inside: the home of a calibrated mechanism, about which the
+/// workspace lies, is not quite that of the drawing.
+const MARGIN: f64 = 0.05;
 /// Strokes that are named one by one.
 const SHOWN: usize = 5;
 const COORDINATES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -82,7 +83,7 @@ impl Guard {
         let mut most = [0.0_f64; 6];
         for (row, found) in rows.iter().enumerate() {
             let excess = workspace.excess(&found.taken);
-            if excess.iter().any(|e| *e > ROUNDING) {
+            if (0..6).any(|k| excess[k] > MARGIN * workspace.half[k]) {
                 outside.push(row);
                 self.mark(row, Check::OutsideWorkspace);
                 most = std::array::from_fn(|k| most[k].max(excess[k]));
@@ -92,10 +93,14 @@ impl Guard {
             return;
         }
         let shown = |k: usize| if k < 3 { show_length(most[k]) } else { show_angle(most[k]) };
-        let beyond = (0..6).filter(|k| most[*k] > ROUNDING);
+        let beyond = (0..6).filter(|k| most[*k] > MARGIN * workspace.half[*k]);
         let beyond: Vec<String> = beyond.map(|k| format!("{} in {}", shown(k), COORDINATES[k])).collect();
         let rows = data_rows(&outside);
-        self.warnings.push(format!("{rows}: outside the [workspace], by up to {}", beyond.join(", ")));
+        self.warnings.push(format!(
+            "{rows}: outside the [workspace] and its margin of {:.0} %, by up to {} beyond the half-range",
+            1e2 * MARGIN,
+            beyond.join(", ")
+        ));
     }
 
     fn strokes(&mut self, machine: &Machine, rows: &[Compensated]) {

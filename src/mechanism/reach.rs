@@ -55,7 +55,7 @@ mod tests {
         };
         let home = Pose::from_coordinates(&[0.0, 0.0, 0.4, 0.0, 0.0, 0.0]);
         let leg = |k: usize| {
-            let (corner, side) = (120.0 * (k / 2) as f64, if k % 2 == 0 { 1.0 } else { -1.0 });
+            let (corner, side) = (120.0 * (k / 2) as f64, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
             let (platform, base) = (at(0.2, corner - side * 10.0), at(0.3, corner - side * 50.0));
             Leg { platform, base, length: (home.place(&platform) - base).norm(), length_offset: 0.0, stroke: None }
         };

@@ -11,6 +11,7 @@ use crate::files::mechanism::kinds::pose;
 use crate::files::readings::kind::{ReadingKind, Readings};
 use crate::files::readings::{KINDS, reading_columns};
 use crate::files::table::column::Meaning;
+use crate::files::table::lacking::lacking;
 use crate::files::table::spelling::check_spelling;
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
@@ -72,6 +73,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
         }
         noise.known = true;
     }
+    warnings.extend(lacking(&table, machine, &samples)?);
     let data = Dataset::new(samples, model, noise);
     let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;

@@ -5,6 +5,7 @@ mod clock;
 pub(crate) mod column;
 pub(crate) mod joint_columns;
 pub(crate) mod joint_table;
+mod lacking;
 pub(crate) mod measurement_file;
 pub(crate) mod planned;
 pub(crate) mod pose_file;

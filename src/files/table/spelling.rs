@@ -206,8 +206,8 @@ fn is_axis(text: &str) -> bool {
 /// The component of a quaternion that a name may mean.
 fn component(words: &[String]) -> Option<&'static str> {
     let key = words.concat();
-    let rest = |word: &&str| key.strip_prefix(*word).map(str::to_owned);
-    let found = QUATERNIONS.iter().filter_map(|word| rest(&word));
+    let rest = |word: &'static &str| key.strip_prefix(*word).map(str::to_owned);
+    let found = QUATERNIONS.iter().filter_map(rest);
     let number = |rest: String| COMPONENTS.iter().position(|names| names.contains(&rest.as_str()));
     let k = found.filter_map(number).next()?;
     ["qw", "qx", "qy", "qz"].get(k).copied()
