@@ -293,9 +293,31 @@ pub fn shortened(items: &[String]) -> String {
     if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
+/// Data rows in words: `data row 3`, or `data rows 3, 5, 7 and 12 more`.
+pub fn data_rows(rows: &[usize]) -> String {
+    const SHOWN: usize = 3;
+    let noun = if rows.len() == 1 { "data row" } else { "data rows" };
+    // One more is as short as to say so.
+    let count = if rows.len() <= SHOWN + 1 { rows.len() } else { SHOWN };
+    let shown: Vec<String> = rows[..count].iter().map(usize::to_string).collect();
+    match (rows.len() - count, shown.split_last()) {
+        (0, Some((last, before))) if !before.is_empty() => format!("{noun} {} and {last}", before.join(", ")),
+        (0, _) => format!("{noun} {}", shown.join(", ")),
+        (more, _) => format!("{noun} {} and {more} more", shown.join(", ")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_named_in_short() {
+        assert_eq!(data_rows(&[3]), "data row 3");
+        assert_eq!(data_rows(&[3, 8]), "data rows 3 and 8");
+        assert_eq!(data_rows(&[3, 5, 7, 8]), "data rows 3, 5, 7 and 8");
+        assert_eq!(data_rows(&[3, 5, 7, 8, 9]), "data rows 3, 5, 7 and 2 more");
+    }
 
     #[test]
     fn quantities_are_read_with_their_unit() {

@@ -106,6 +106,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
+    ui.not_used(&measurement);
     ui.refer(&mut machine, &measurement.data, &args.data);
     let holdout = match (&args.holdout, &second) {
         (None, _) => Holdout::Folds(5),
@@ -167,6 +168,7 @@ fn object(args: &Args, machine: &Machine, measurement: &Measurement, result: &Ca
     let residuals = deviations(result.mechanism.as_ref(), &own, &measurement.data)
         .map_err(|error| about(error, machine, &args.data, &measurement.data))?;
     let mut object = json::calibration(result, &residuals);
+    object["columns_not_used"] = measurement.columns_not_used.as_slice().into();
     if args.covariance.is_some() {
         object["covariance"] =
             result.covariance.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>().into();

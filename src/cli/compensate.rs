@@ -6,12 +6,13 @@ use std::process::ExitCode;
 
 use crate::conditions::{ConditionKind, ConditionTable};
 use crate::effect::{ActiveEffect, ActsOn, Compensated, Compensator};
-use crate::files::{ListedPose, read_pose_list};
+use crate::files::{CalibrationSection, ListedPose, Machine, read_pose_list};
 use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
-use crate::cli::common::joint_noun;
+use crate::cli::common::{joint_noun, verdict};
+use crate::cli::guard::Guard;
 use crate::cli::ui::Ui;
 use crate::files::{JointsAndPose, joints_and_poses};
 
@@ -30,12 +31,16 @@ pub(crate) struct Args {
     /// The poses are meant as the instrument sees them: the sag of its frame is compensated too.
     #[arg(long)]
     in_tracker_frame: bool,
+    /// Command by a model whose file says that its calibration must not be trusted.
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut outputs = ui.outputs([&args.mechanism, &args.poses], [&args.output])?;
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
+    check_trust(&machine, args.force)?;
     let list = read_pose_list(&args.poses, &machine)?;
     let mut warnings = list.warnings.clone();
     let states = list.poses.iter().map(|l| &l.conditions);
@@ -46,7 +51,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     warnings.extend(compensator.left_out().iter().map(not_compensated));
 
     let mut rows: Vec<Compensated> = Vec::with_capacity(list.poses.len());
-    let mut outside = Vec::new();
     for (row, listed) in list.poses.iter().enumerate() {
         let found = compensator
             .command(&listed.pose, &listed.conditions)
@@ -54,22 +58,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         if found.joints.iter().any(|v| !v.is_finite()) {
             bail!("{}: data row {row}: the pose is out of reach; correct the row", args.poses.display());
         }
-        for (spec, value) in mechanism.joints().iter().zip(&found.joints) {
-            if let Some([from, to]) = spec.stroke.filter(|[from, to]| value < from || value > to) {
-                let (unit, per_si) = spec.dimension.in_tables();
-                outside.push(format!(
-                    "data row {row}: {} would be {:.3} {unit}, outside its stroke {:.3} to {:.3} {unit}",
-                    spec.name,
-                    per_si * value,
-                    per_si * from,
-                    per_si * to
-                ));
-            }
-        }
         rows.push(found);
     }
     warnings.extend(lacking(&rows));
     warnings.extend(extrapolated(&rows, machine.condition_kinds()));
+    let guard = Guard::of(&machine, &rows);
+    warnings.extend(guard.warnings.iter().cloned());
 
     let table_row = |(listed, found): (&ListedPose, &Compensated)| JointsAndPose {
         id: listed.id.clone(),
@@ -82,26 +76,40 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let with = if used.is_empty() { String::new() } else { format!(" with {}", used.join(", ")) };
     let comment = format!("{noun} to command for {}{with}", mechanism.name());
     let mut table = joints_and_poses(&machine, comment, &table_rows);
+    table.append(&guard.column());
     table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
     ui.write(outputs)?;
     warnings.iter().for_each(|w| ui.warn(w));
-    const SHOWN: usize = 5;
-    outside.iter().take(SHOWN).for_each(|w| ui.warn(w));
-    if outside.len() > SHOWN {
-        ui.warn(&format!("{} more {noun} are outside their stroke", outside.len() - SHOWN));
-    }
+    guard.shown_strokes(noun).iter().for_each(|w| ui.warn(w));
     let lengths: Vec<&Vec<f64>> = rows.iter().map(|r| &r.joints).collect();
     let text = format!("{} poses: {noun} to command written to {}", rows.len(), args.output.display());
-    let all: Vec<&String> = warnings.iter().chain(&outside).collect();
+    let all: Vec<&String> = warnings.iter().chain(&guard.strokes).collect();
+    let checks: Vec<String> = guard.checks.iter().map(ToString::to_string).collect();
     let mut shown = json!({
-        "poses": rows.len(), "outside_stroke": outside.len(), "joints": lengths, "effects": used, "warnings": all,
+        "poses": rows.len(), "outside_stroke": guard.strokes.len(), "check": checks, "joints": lengths, "effects": used,
+        "warnings": all,
     });
     if mechanism.joints().iter().all(|j| j.dimension == Dimension::Length) {
         shown["lengths_m"] = json!(lengths);
     }
     ui.result(&text, &shown)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(verdict(guard.is_clear()))
+}
+
+/// Refuses a model of which its own file says that it must not be trusted.
+fn check_trust(machine: &Machine, force: bool) -> Result<()> {
+    match &machine.document().calibration {
+        Some(CalibrationSection { trusted: Some(false), reasons, .. }) if !force => {
+            let why = if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) };
+            bail!(
+                "{}: [calibration]: trusted = false{why}; calibrate with better data, or command by this model all the same \
+                 with --force",
+                machine.path.display()
+            )
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Why an effect is not compensated.

@@ -32,6 +32,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut machine = ui.machine(&args.mechanism)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
+    ui.not_used(&measurement);
     ui.refer(&mut machine, &measurement.data, &args.data);
     let mechanism = machine.mechanism.as_ref();
     let wrong = |error| about(error, &machine, &args.data, &measurement.data);
@@ -49,6 +50,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         outputs.add(path, html::evaluation(&errors, &subject, &measured).html())?;
         ui.write(outputs)?;
     }
-    ui.result(&text::evaluation(&errors, mechanism.name()), &json::evaluation(&errors))?;
+    let mut object = json::evaluation(&errors);
+    object["columns_not_used"] = measurement.columns_not_used.as_slice().into();
+    ui.result(&text::evaluation(&errors, mechanism.name()), &object)?;
     Ok(ExitCode::SUCCESS)
 }

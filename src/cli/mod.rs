@@ -13,6 +13,7 @@ mod convert;
 mod diagnose;
 mod effect_args;
 mod evaluate;
+mod guard;
 mod inspect;
 mod new;
 mod reproduce;

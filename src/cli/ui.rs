@@ -118,6 +118,18 @@ impl Ui {
         Ok(machine)
     }
 
+    /// Names the columns of a measurement file that a command without a search for causes does not read.
+    pub(crate) fn not_used(&self, measurement: &Measurement) {
+        let names = &measurement.columns_not_used;
+        if !names.is_empty() {
+            let columns = if names.len() == 1 { "column" } else { "columns" };
+            let names = names.join(", ");
+            self.warn(&format!(
+                "the model reads nothing in the {columns} {names}; `diagnose` takes numbers there for conditions"
+            ));
+        }
+    }
+
     /// Reads a measurement file and prints its warnings.
     pub(crate) fn measurement(&self, path: &Path, machine: &Machine) -> Result<Measurement> {
         let measurement = read_measurement(path, machine)?;

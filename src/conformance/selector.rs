@@ -185,8 +185,8 @@ impl<'a> Bench<'a> {
     /// A pose in half-ranges of the workspace, m and rad along coordinates without one.
     fn place(&self, pose: &Pose) -> [f64; 6] {
         let w = &self.campaign.workspace;
-        let q = w.convention.coordinates(pose);
-        std::array::from_fn(|k| (q[k] - w.centre[k]) / if w.half[k] > 0.0 { w.half[k] } else { 1.0 })
+        let offsets = w.offsets(pose);
+        std::array::from_fn(|k| offsets[k] / if w.half[k] > 0.0 { w.half[k] } else { 1.0 })
     }
 
     fn shown(&self, pose: &Pose) -> String {

@@ -26,6 +26,7 @@ mod urdf_options;
 pub use error::FileError;
 pub use finding::{Finding, FindingKind};
 pub use machine::Machine;
+pub use mechanism::calibration::CalibrationSection;
 pub use mechanism::document::MechanismDocument;
 pub use mechanism::examples::{ExampleFile, example_files};
 pub use mechanism::sections::{

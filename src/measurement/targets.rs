@@ -27,8 +27,8 @@ pub struct TargetMeasurement {
     targets: Vec<TargetPoint>,
     /// By sample, then by target.
     readings: Vec<Vec<[Option<f64>; 3]>>,
-    /// 1σ of each coordinate, by sample.
-    sigma: Vec<[f64; 3]>,
+    /// 1σ of each coordinate, by sample, then by target.
+    sigma: Vec<Vec<[f64; 3]>>,
     own: Vec<ParameterSpec>,
 }
 
@@ -37,9 +37,24 @@ impl TargetMeasurement {
     ///
     /// # Panics
     /// If the two have not the same number of samples, which is a mistake of the caller.
-    #[allow(clippy::panic)]
     pub fn new(targets: Vec<TargetPoint>, readings: Vec<Vec<[Option<f64>; 3]>>, sigma: Vec<[f64; 3]>) -> Self {
+        let each = sigma.into_iter().map(|sigma| vec![sigma; targets.len()]).collect();
+        Self::with_sigma_of_each(targets, readings, each)
+    }
+
+    /// The same with 1σ (m) of every reading, by sample and target: a target that is farther from the instrument is seen
+    /// less well.
+    ///
+    /// # Panics
+    /// If the two have not the same numbers of samples and targets, which is a mistake of the caller.
+    #[allow(clippy::panic)]
+    pub fn with_sigma_of_each(
+        targets: Vec<TargetPoint>,
+        readings: Vec<Vec<[Option<f64>; 3]>>,
+        sigma: Vec<Vec<[f64; 3]>>,
+    ) -> Self {
         assert_eq!(readings.len(), sigma.len(), "one set of sigma for each sample");
+        assert!(readings.iter().zip(&sigma).all(|(r, s)| r.len() == s.len()), "one set of sigma for each target");
         let spec = |name: &str, axis: Axis| ParameterSpec {
             name: format!("{name}{}", ["x", "y", "z"][axis.index()]),
             dimension: Dimension::Length,
@@ -149,9 +164,8 @@ impl MeasurementModel for TargetMeasurement {
     }
 
     fn covariance(&self, sample: usize, _frames: &Frames) -> DMatrix<f64> {
-        let measured = |r: &[Option<f64>; 3]| [0, 1, 2].into_iter().filter(|k| r[*k].is_some()).collect::<Vec<_>>();
-        let variances: Vec<f64> =
-            self.readings[sample].iter().flat_map(measured).map(|k| self.sigma[sample][k].powi(2)).collect();
+        let each = self.readings[sample].iter().flatten().zip(self.sigma[sample].iter().flatten());
+        let variances: Vec<f64> = each.filter(|(seen, _)| seen.is_some()).map(|(_, s)| s.powi(2)).collect();
         DMatrix::from_diagonal(&DVector::from_vec(variances))
     }
 

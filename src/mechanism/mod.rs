@@ -31,6 +31,7 @@ mod mounted;
 pub(crate) mod mounting;
 mod parameter;
 mod pose_positioner;
+mod reach;
 mod six_hardpoint;
 mod six_legs;
 mod six_legs_batch;
@@ -52,6 +53,7 @@ pub use kinematics::{
 pub use mounted::{Mounted, mount};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub use pose_positioner::PosePositioner;
+pub use reach::is_reached;
 #[cfg(feature = "files")]
 pub(crate) use six_hardpoint::check_distinct_anchors;
 pub use six_hardpoint::{Leg, SixHardpoint};

@@ -165,7 +165,7 @@ impl<'a> Campaign<'a> {
     }
 
     fn block_of(&self, pose: &Pose, joints: &[f64], rows: &Linearization) -> Result<Block, KinematicsError> {
-        let rates = self.workspace.convention.rates(pose);
+        let rates = self.workspace.rates(pose);
         let singular = || KinematicsError::Singular { pivot_ratio: 0.0 };
         let block = if rows.motion.nrows() == 6 {
             let motion: Matrix6<f64> = rows.motion.fixed_view::<6, 6>(0, 0).into_owned();
@@ -223,7 +223,7 @@ impl<'a> Campaign<'a> {
     /// # Errors
     /// [`KinematicsError`] where it has none.
     pub fn weighted_rates(&self, pose: &Pose) -> Result<DMatrix<f64>, KinematicsError> {
-        let rates = self.workspace.convention.rates(pose);
+        let rates = self.workspace.rates(pose);
         let mut moved = rates * motion_of_point(self.mechanism, pose, &Vector3::zeros())?;
         self.scale_columns(&mut moved);
         for (k, mut row) in moved.row_iter_mut().enumerate() {

@@ -69,8 +69,8 @@ pub(super) fn polish(problem: &Problem<'_>, poses: &mut [Pose], numbers: &mut [O
 /// A pose in half-ranges of the workspace.
 fn coordinates(problem: &Problem<'_>, pose: &Pose) -> [f64; 6] {
     let w = &problem.campaign.workspace;
-    let q = w.convention.coordinates(pose);
-    std::array::from_fn(|k| if w.half[k] > 0.0 { ((q[k] - w.centre[k]) / w.half[k]).clamp(-1.0, 1.0) } else { 0.0 })
+    let offsets = w.offsets(pose);
+    std::array::from_fn(|k| if w.half[k] > 0.0 { (offsets[k] / w.half[k]).clamp(-1.0, 1.0) } else { 0.0 })
 }
 
 /// The largest difference of two poses in half-ranges.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::files::mechanism::calibration::CalibrationSection;
 use crate::files::mechanism::sections::{
     ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
     OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,
@@ -83,6 +84,8 @@ pub struct MechanismDocument {
     /// Effects of an extended model.
     #[serde(default, rename = "effect")]
     pub effects: Vec<EffectEntry>,
+    /// In a written file: the calibration that it came from.
+    pub calibration: Option<CalibrationSection>,
 }
 
 fn unnamed() -> String {

@@ -3,6 +3,7 @@
 //! `kinds` is the table of the kinds of mechanism; each kind and each further section has a file of its own. `examples` are
 //! files to start from.
 
+pub(crate) mod calibration;
 pub(crate) mod document;
 pub(crate) mod effects;
 pub(crate) mod environment;

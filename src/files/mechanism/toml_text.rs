@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::files::mechanism::calibration::CalibrationSection;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::sections::{
     CableEntry, EffectEntry, GravityAxis, LegEntry, OffsetSection, PlaneSection, SensorEntry,
@@ -92,20 +93,20 @@ impl MechanismDocument {
             text += &line("platform", target.platform.map(|v| list(&v)));
         }
         self.effects.iter().for_each(|effect| text += &effect.to_text());
-        text
+        text + &self.calibration.as_ref().map_or(String::new(), CalibrationSection::to_text)
     }
 }
 
-fn list(values: &[f64]) -> String {
+pub(super) fn list(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
 }
 
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.into()).to_string()
 }
 
 /// The line of a key that may be left out.
-fn line(key: &str, value: Option<String>) -> String {
+pub(super) fn line(key: &str, value: Option<String>) -> String {
     value.map_or(String::new(), |v| format!("{key} = {v}\n"))
 }
 

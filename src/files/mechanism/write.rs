@@ -53,6 +53,8 @@ impl Machine {
         frames: &Frames,
     ) -> Result<MechanismDocument, FileError> {
         let mut document = self.document.clone();
+        // What was said of the geometry as it was does not hold for another.
+        document.calibration = None;
         let units = self.units();
         let target = Target { units, convention: self.convention, commanded_home: self.commander().home() };
         let kind = kinds::kind(&document.kind).filter(|kind| (kind.write)(mechanism, &target, &mut document));

@@ -39,8 +39,11 @@ impl ReadingKind for TargetsKind {
 
     fn column(&self, name: &str, machine: Option<&Machine>) -> Option<(ReadingColumn, Dimension)> {
         let stated: Vec<String> = machine.iter().flat_map(|m| &m.targets).map(|t| t.name.clone()).collect();
-        let (quantity, axis) = target(name, &stated)?;
-        Some((ReadingColumn { kind: self.name(), quantity, axis, sigma: false }, Dimension::Length))
+        let of = |name: &str, sigma: bool| {
+            let (quantity, axis) = target(name, &stated)?;
+            Some((ReadingColumn { kind: self.name(), quantity, axis, sigma }, Dimension::Length))
+        };
+        of(name, false).or_else(|| of(name.strip_prefix("sigma_")?, true))
     }
 
     fn read(&self, table: &Table, machine: &Machine, noise: &Noise) -> Result<Readings, FileError> {
@@ -50,29 +53,24 @@ impl ReadingKind for TargetsKind {
         let mut every_sigma = true;
         for row in 0..table.rows.len() {
             let mut cells = vec![[None; 3]; targets.len()];
+            let mut sigma = vec![[None; 3]; targets.len()];
             for (k, column) in table.columns.iter().enumerate() {
-                if let Meaning::Reading(c) = &column.meaning
-                    && let Some(t) = targets.iter().position(|t| t.name == c.quantity)
-                {
-                    cells[t][c.axis] = table.number(row, k)?;
+                let Meaning::Reading(c) = &column.meaning else { continue };
+                let Some(t) = targets.iter().position(|t| t.name == c.quantity) else { continue };
+                match c.sigma {
+                    true => sigma[t][c.axis] = positive_sigma(table, row, k)?,
+                    false => cells[t][c.axis] = table.number(row, k)?,
                 }
             }
-            let (mut sigma, mut has_sigma) = ([noise.position; 3], [false; 3]);
-            for (k, column) in table.columns.iter().enumerate() {
-                let Meaning::Sigma(axis) = column.meaning else { continue };
-                if axis >= 3 {
-                    return Err(table.cell_error(row, k, "is the sigma of an angle; targets have positions only"));
-                }
-                if let Some(s) = positive_sigma(table, row, k)? {
-                    sigma[axis] = s;
-                    has_sigma[axis] = true;
-                }
-            }
-            every_sigma &= has_sigma == [true; 3];
-            sigmas.push(sigma);
+            let of_all = sigma_of_all(table, row)?;
+            let stated = |t: usize, k: usize| sigma[t][k].or(of_all[k]);
+            let each = (0..targets.len()).flat_map(|t| [0, 1, 2].map(|k| (t, k)));
+            every_sigma &= each.into_iter().all(|(t, k)| cells[t][k].is_none() || stated(t, k).is_some());
+            let of_target = |t: usize| [0, 1, 2].map(|k| stated(t, k).unwrap_or(noise.position));
+            sigmas.push((0..targets.len()).map(of_target).collect());
             readings.push(cells);
         }
-        Ok(Readings { model: Arc::new(TargetMeasurement::new(targets, readings, sigmas)), every_sigma })
+        Ok(Readings { model: Arc::new(TargetMeasurement::with_sigma_of_each(targets, readings, sigmas)), every_sigma })
     }
 
     fn put_identified(&self, machine: &Machine, own: &[Estimate], document: &mut MechanismDocument) {
@@ -122,11 +120,25 @@ impl ReadingKind for TargetsKind {
     }
 }
 
+/// 1σ of a row along each axis, of all targets that state none of their own.
+fn sigma_of_all(table: &Table, row: usize) -> Result<[Option<f64>; 3], FileError> {
+    let mut sigma = [None; 3];
+    for (k, column) in table.columns.iter().enumerate() {
+        let Meaning::Sigma(axis) = column.meaning else { continue };
+        if axis >= 3 {
+            return Err(table.cell_error(row, k, "is the sigma of an angle; targets have positions only"));
+        }
+        sigma[axis] = positive_sigma(table, row, k)?;
+    }
+    Ok(sigma)
+}
+
 /// The targets in the order of their columns, with the places that the mechanism file states.
 fn measured(table: &Table, machine: &Machine) -> Vec<TargetPoint> {
     let mut targets: Vec<TargetPoint> = Vec::new();
     for column in &table.columns {
         if let Meaning::Reading(c) = &column.meaning
+            && !c.sigma
             && targets.iter().all(|t| t.name != c.quantity)
         {
             let known = machine.targets.iter().find(|t| t.name == c.quantity);

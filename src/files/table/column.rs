@@ -24,6 +24,8 @@ pub(crate) enum Meaning {
     Commanded(usize),
     /// Clock time.
     Clock,
+    /// What `compensate` says of the command of the row; readers pass it over.
+    Check,
     /// Anything else that is a number, by name without unit.
     Covariate(String),
 }
@@ -52,6 +54,25 @@ pub(crate) struct Column {
     pub(crate) unit: Option<Unit>,
     /// Set if the column holds the coordinate of a URDF joint instead of a length.
     pub(crate) joint: Option<JointColumn>,
+}
+
+/// The components of a direction of gravity.
+pub(crate) const GRAVITY_NAMES: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
+/// The angle from the vertical, which stands for the elevation.
+pub(crate) const ZENITH_DISTANCE: &str = "zenith_distance";
+
+impl Column {
+    /// The name of a covariate that has no meaning here: nothing but a search for causes looks at it.
+    pub(crate) fn foreign(&self, kinds: &ConditionTable) -> Option<&str> {
+        let Meaning::Covariate(name) = &self.meaning else { return None };
+        let known = kinds.of(name).is_some() || name == ZENITH_DISTANCE || GRAVITY_NAMES.contains(&name.as_str());
+        (!known).then_some(name)
+    }
+
+    /// True for such a covariate.
+    fn is_foreign(&self, kinds: &ConditionTable) -> bool {
+        self.foreign(kinds).is_some()
+    }
 }
 
 pub(crate) const POSE_NAMES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
@@ -112,8 +133,13 @@ pub(crate) fn column(
         if let Some((reading, dimension)) = readings(candidate) {
             return with(Meaning::Reading(reading), dimension);
         }
-        if let Some(kind) = kinds.of(candidate).filter(|kind| kind.needs_unit && kind.is_recorded()) {
-            return with(Meaning::Covariate(candidate.into()), kind.dimension);
+        if let Some(kind) = kinds.of(candidate).filter(|kind| kind.is_recorded() && kind.dimension != Dimension::None) {
+            check_leg_of(candidate, mechanism, kinds)?;
+            // What needs no unit may state none, but not a wrong one.
+            if kind.needs_unit || unit.is_some() || candidate != base {
+                let or = if kind.needs_unit { "" } else { "; or rename the column if it is something else" };
+                return with(Meaning::Covariate(candidate.into()), kind.dimension).map_err(|problem| problem + or);
+            }
         }
         if let Some(joint) = joints.iter().find(|j| j.name == candidate) {
             if unit.is_none() {
@@ -128,9 +154,12 @@ pub(crate) fn column(
     if base.contains(|c: char| c.is_ascii_uppercase()) {
         // Capitals would turn a measured coordinate into a covariate without a word.
         let small = format!("{}{}", base.to_lowercase(), &name[base.len()..]);
-        let known = column(&small, &[], mechanism, readings, joints, kinds);
-        if known.is_ok_and(|c| !matches!(c.meaning, Meaning::Covariate(_))) {
-            return Err(format!("names are lower case; did you mean '{small}'?"));
+        match column(&small, &[], mechanism, readings, joints, kinds) {
+            Ok(known) if !known.is_foreign(kinds) => {
+                return Err(format!("names are lower case; did you mean '{small}'?"));
+            }
+            Ok(_) => {}
+            Err(problem) => return Err(format!("names are lower case; written so, {problem}")),
         }
     }
     Ok(Column { name: name.into(), meaning: Meaning::Covariate(base.into()), unit, joint: None })
@@ -141,6 +170,7 @@ fn whole_name(name: &str, kinds: &ConditionTable) -> Option<Meaning> {
     let clock = name.strip_suffix("_utc").and_then(|n| kinds.of(n)).is_some_and(|kind| kind.role == Role::Clock);
     match name {
         "id" => Some(Meaning::Id),
+        "check" => Some(Meaning::Check),
         _ if clock => Some(Meaning::Clock),
         _ => ["qw", "qx", "qy", "qz"].iter().position(|q| *q == name).map(Meaning::Quaternion),
     }
@@ -158,9 +188,21 @@ fn check_leg(base: &str, joints: &[JointSpec]) -> Result<(), String> {
     Err(format!("the mechanism has legs 1 to {}; correct the number or delete the column", joints.len()))
 }
 
+/// Refuses the condition of a leg that the mechanism does not have.
+fn check_leg_of(covariate: &str, mechanism: &dyn Mechanism, kinds: &ConditionTable) -> Result<(), String> {
+    let of_parameters = mechanism.parameters().iter().filter_map(|p| p.role.leg()).max().map_or(0, |leg| leg + 1);
+    let legs = mechanism.joints().len().max(of_parameters);
+    match kinds.leg_of(covariate) {
+        Some(leg) if leg >= legs => {
+            Err(format!("the mechanism has legs 1 to {legs}; correct the number or delete the column"))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn missing_unit(name: &str, base: &str, dimension: Dimension, kinds: &ConditionTable) -> String {
     let choices = dimension.choices();
-    let first = choices.split(" | ").nth(1).or(choices.split(" | ").next()).unwrap_or("1").to_owned();
+    let (first, _) = dimension.in_tables();
     // What follows the last underscore is a unit that is none of ours, unless it belongs to the name.
     let whole = |stem: &str| matches!(stem, "cmd" | "sigma") || kinds.of(name).is_some() && kinds.of(stem).is_none();
     let stem = match name.rsplit_once('_') {

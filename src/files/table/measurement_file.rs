@@ -12,8 +12,11 @@ use crate::files::readings::kind::{ReadingKind, Readings};
 use crate::files::readings::{KINDS, reading_columns};
 use crate::files::table::cells::Cells;
 use crate::files::table::column::Meaning;
+use crate::files::table::lacking::lacking;
+use crate::files::table::spelling::check_spelling;
 use crate::files::table::states::States;
 use crate::files::table::text_table::Table;
+use crate::files::table::unused::{check_sigmas, copies, not_used};
 use crate::identification::Estimate;
 use crate::measurement::{DataRow, Dataset, Noise, Sample};
 use crate::mechanism::{KinematicsError, characteristic_length};
@@ -28,6 +31,9 @@ pub struct Measurement {
     pub data: Dataset,
     /// Warnings for the user.
     pub warnings: Vec<String>,
+    /// Names of the columns that neither the model nor its calibration reads; a diagnosis takes those with numbers for
+    /// further conditions.
+    pub columns_not_used: Vec<String>,
     /// What was measured.
     pub(crate) kind: &'static dyn ReadingKind,
     /// The file and its cells.
@@ -63,6 +69,8 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
 /// The measurement that the cells of a file state of a machine.
 fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measurement, FileError> {
     let table = Table::of(path, cells.clone(), machine, &reading_columns(Some(machine)))?;
+    check_spelling(&table, machine)?;
+    check_sigmas(&table)?;
     let mut warnings = Vec::new();
     let samples = samples(&table, machine, &mut warnings)?;
     let mut noise = machine.noise.unwrap_or_else(|| Noise::unknown(characteristic_length(machine.mechanism.as_ref())));
@@ -81,10 +89,12 @@ fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measur
         }
         noise.known = true;
     }
+    warnings.extend(lacking(&table, machine, &samples)?);
     let data = Dataset::new(samples, model, noise);
     let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
-    Ok(Measurement { data, warnings, kind, source: (path.into(), cells) })
+    warnings.extend(copies(&table));
+    Ok(Measurement { data, warnings, columns_not_used: not_used(&table, machine), kind, source: (path.into(), cells) })
 }
 
 fn states_sigma(meaning: &Meaning) -> bool {
@@ -94,15 +104,6 @@ fn states_sigma(meaning: &Meaning) -> bool {
 /// The kind of reading that a table holds.
 fn kind_of(table: &Table) -> Result<&'static dyn ReadingKind, String> {
     let measured = |kind: &&dyn ReadingKind| table.columns.iter().any(|c| kind.measures(&c.meaning));
-    for column in &table.columns {
-        if let Meaning::Reading(c) = &column.meaning
-            && c.sigma
-            && !KINDS.iter().any(|kind| kind.name() == c.kind && measured(kind))
-        {
-            let quantity = &c.quantity;
-            return Err(format!("has sigma_{quantity}_… without a column {quantity}_…; add it or delete the sigma"));
-        }
-    }
     let mut found = KINDS.into_iter().filter(measured);
     match (found.next(), found.next()) {
         (Some(kind), None) => Ok(kind),

@@ -8,6 +8,7 @@ use crate::files::machine::Machine;
 use crate::files::readings::reading_columns;
 use crate::files::table::cells::Cells;
 use crate::files::table::column::{Meaning, POSE_NAMES, pose_dimension};
+use crate::files::table::spelling::check_spelling;
 use crate::files::table::states::States;
 use crate::files::table::text_table::{Table, no_data_row};
 use crate::files::table::writer::CsvTable;
@@ -54,6 +55,7 @@ pub fn read_poses(path: impl AsRef<Path>, machine: &Machine) -> Result<Vec<Liste
 pub fn read_pose_list(path: impl AsRef<Path>, machine: &Machine) -> Result<PoseList, FileError> {
     let path = path.as_ref();
     let table = Table::read(path, machine, &reading_columns(None))?;
+    check_spelling(&table, machine)?;
     let find = |meaning: Meaning| table.columns.iter().position(|c| c.meaning == meaning);
     let quaternion = table.quaternion_columns()?;
     let coordinates = if quaternion.is_some() { 3 } else { 6 };

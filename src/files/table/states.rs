@@ -9,10 +9,9 @@ use crate::conditions::{Conditions, ELEVATION, TIME};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::sections::GravityAxis;
-use crate::files::table::cells::is_missing;
-use crate::files::table::column::Meaning;
+use crate::files::table::clock::{Clock, backwards};
+use crate::files::table::column::{Column, GRAVITY_NAMES, Meaning, ZENITH_DISTANCE};
 use crate::files::table::text_table::Table;
-use crate::files::table::time::{is_dateless, parse_time};
 use crate::units::Dimension;
 
 /// The states of the rows of a table, outside of a run.
@@ -26,9 +25,6 @@ pub(crate) struct States {
 
 /// A vector of gravity may be this much longer or shorter than one.
 const LENGTH_ERROR: f64 = 1e-3;
-/// A clock without date that goes back by more than this, s, has passed midnight.
-const BACK: f64 = 3600.0;
-const DAY: f64 = 86_400.0;
 /// °C.
 const ABSOLUTE_ZERO: f64 = -273.15;
 
@@ -39,13 +35,14 @@ impl States {
     /// [`FileError`] naming row, column and what to do.
     pub(crate) fn read(table: &Table, machine: &Machine) -> Result<Self, FileError> {
         let mut warnings = table.warnings.clone();
-        let ignored = ignored_columns(table);
+        let ignored: Vec<usize> = (0..table.columns.len()).filter(|k| table.is_remark(*k)).collect();
         if !ignored.is_empty() {
             let names: Vec<&str> = ignored.iter().map(|k| table.columns[*k].name.as_str()).collect();
             warnings.push(format!("columns without numbers are not used: {}", names.join(", ")));
         }
         let gravity = Gravity::of(table, machine.document.gravity_axis.unwrap_or_default(), &mut warnings)?;
-        let mut clock = Clock::default();
+        let timed = |c: &Column| matches!(&c.meaning, Meaning::Covariate(name) if name == TIME);
+        let mut clock = (!table.columns.iter().any(timed)).then(Clock::default);
         let mut states = Vec::with_capacity(table.rows.len());
         for row in 0..table.rows.len() {
             let mut state = Conditions::unknown();
@@ -67,9 +64,8 @@ impl States {
                         };
                     }
                     Meaning::Clock => {
-                        if let Some(since) = clock.since_first(table, row, k)? {
-                            state.covariates.entry(TIME.into()).or_insert(since);
-                        }
+                        let since = clock.as_mut().map(|clock| clock.since_first(table, row, k)).transpose()?;
+                        state.covariates.extend(since.flatten().map(|since| (TIME.to_owned(), since)));
                     }
                     _ => {}
                 }
@@ -77,36 +73,8 @@ impl States {
             state.gravity = gravity.at(table, row, &state)?;
             states.push(state);
         }
+        warnings.extend(backwards(&states));
         Ok(Self { states, ignored, warnings })
-    }
-}
-
-/// Clock times of the rows so far.
-#[derive(Default)]
-struct Clock {
-    first: Option<f64>,
-    last: f64,
-    days: f64,
-}
-
-impl Clock {
-    /// Seconds since the first row that has a time; `None` where the cell is empty.
-    fn since_first(&mut self, table: &Table, row: usize, column: usize) -> Result<Option<f64>, FileError> {
-        let text = &table.rows[row].1[column];
-        if is_missing(text) {
-            return Ok(None);
-        }
-        let advice = "is not a time; write 2026-03-01T12:30:00 or 12:30:00";
-        let mut time = parse_time(text).ok_or_else(|| table.cell_error(row, column, advice))?;
-        let first = *self.first.get_or_insert(time);
-        if is_dateless(text) {
-            if row > 0 && time + self.days < self.last - BACK {
-                self.days += DAY;
-            }
-            time += self.days;
-        }
-        self.last = time;
-        Ok(Some(time - first))
     }
 }
 
@@ -130,9 +98,9 @@ impl Gravity {
             table.columns.iter().position(|c| matches!(&c.meaning, Meaning::Covariate(covariate) if covariate == name))
         };
         let header = |problem: String| FileError::Header { path: table.path.clone(), problem };
-        let names = ["gravity_x", "gravity_y", "gravity_z"];
-        let found = names.map(find);
-        let missing: Vec<&str> = names.iter().zip(&found).filter(|(_, c)| c.is_none()).map(|(n, _)| *n).collect();
+        let found = GRAVITY_NAMES.map(find);
+        let missing: Vec<&str> =
+            GRAVITY_NAMES.iter().zip(&found).filter(|(_, c)| c.is_none()).map(|(n, _)| *n).collect();
         let columns = match found {
             [Some(x), Some(y), Some(z)] => Some([x, y, z]),
             [None, None, None] => None,
@@ -155,7 +123,7 @@ impl Gravity {
             }
             known.then_some(k)
         };
-        let elevation = match (angle(ELEVATION), angle("zenith_distance")) {
+        let elevation = match (angle(ELEVATION), angle(ZENITH_DISTANCE)) {
             (Some(_), Some(zenith)) => {
                 return Err(FileError::Column {
                     path: table.path.clone(),
@@ -213,14 +181,4 @@ fn unit_vector(table: &Table, row: usize, column: usize, g: Vector3<f64>) -> Res
         "belongs to a direction of gravity of length {length:.6}; it must be 1, correct gravity_x, gravity_y, gravity_z"
     );
     Err(table.cell_error(row, column, problem))
-}
-
-/// Columns of no known meaning that hold no number at all, such as remarks.
-fn ignored_columns(table: &Table) -> Vec<usize> {
-    let text_only = |k: usize| {
-        matches!(table.columns[k].meaning, Meaning::Covariate(_))
-            && table.columns[k].unit.is_none()
-            && table.rows.iter().all(|(_, cells)| is_missing(&cells[k]) || cells[k].parse::<f64>().is_err())
-    };
-    (0..table.columns.len()).filter(|k| text_only(*k)).collect()
 }

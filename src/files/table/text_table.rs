@@ -74,6 +74,23 @@ impl Table {
         }
     }
 
+    /// True for a column of no known meaning that holds no number at all, such as remarks.
+    pub(crate) fn is_remark(&self, column: usize) -> bool {
+        let Column { meaning, unit, .. } = &self.columns[column];
+        let no_number =
+            |(_, cells): &(u64, Vec<String>)| is_missing(&cells[column]) || cells[column].parse::<f64>().is_err();
+        matches!(meaning, Meaning::Covariate(_)) && unit.is_none() && self.rows.iter().all(no_number)
+    }
+
+    /// The error of a column.
+    pub(crate) fn column_error(&self, column: usize, problem: impl Into<String>) -> FileError {
+        FileError::Column {
+            path: self.path.clone(),
+            column: self.columns[column].name.clone(),
+            problem: problem.into(),
+        }
+    }
+
     /// The error of one cell.
     pub(crate) fn cell_error(&self, row: usize, column: usize, problem: impl Into<String>) -> FileError {
         FileError::Cell {
@@ -172,7 +189,7 @@ pub(crate) fn no_data_row(path: &Path) -> FileError {
 }
 
 /// `x_mm` for `X [mm]` or `x (mm)`: how a name with its unit in brackets is written here.
-fn without_brackets(name: &str) -> Option<String> {
+pub(crate) fn without_brackets(name: &str) -> Option<String> {
     let (stem, unit) = name.strip_suffix([']', ')'])?.rsplit_once(['[', '('])?;
     let stem = stem.trim().to_lowercase().replace(' ', "_");
     (!stem.is_empty() && !unit.trim().is_empty()).then(|| format!("{stem}_{}", unit.trim()))

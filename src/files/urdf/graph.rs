@@ -71,13 +71,10 @@ impl<'a> Graph<'a> {
             let wide = move |body: &usize| *body != base && self.around[*body].len() >= least;
             (0..self.bodies.count).filter(wide)
         };
-        let good = |platform: &usize| {
-            let legs = self.parts(base, *platform).into_iter().filter(Part::is_leg).collect::<Vec<_>>();
-            legs.len() == 6 && legs.iter().all(|l| l.slides.len() == 1)
-        };
-        let candidates: Vec<usize> = enough(6).filter(good).collect();
+        let candidates: Vec<usize> = enough(6).filter(|platform| self.has_six(base, *platform)).collect();
         match candidates[..] {
             [platform] => self.six(base, platform, findings).map(|legs| (platform, legs)),
+            [] if self.elsewhere(base, findings) => None,
             [] => {
                 let count = |p: &usize| self.parts(base, *p).iter().filter(|part| part.is_leg()).count();
                 let best = enough(2).map(|p| (count(&p), p)).max_by_key(|(legs, p)| (*legs, usize::MAX - p));
@@ -94,6 +91,30 @@ impl<'a> Graph<'a> {
                 None
             }
         }
+    }
+
+    /// True if six legs with a slide each join two bodies.
+    fn has_six(&self, base: usize, platform: usize) -> bool {
+        let legs: Vec<Part> = self.parts(base, platform).into_iter().filter(Part::is_leg).collect();
+        legs.len() == 6 && legs.iter().all(|l| l.slides.len() == 1)
+    }
+
+    /// Reports that six legs join two other bodies, such as a base that hangs on a joint of something else; false if none
+    /// do.
+    fn elsewhere(&self, base: usize, findings: &mut Findings) -> bool {
+        let wide: Vec<usize> = (0..self.bodies.count).filter(|b| *b != base && self.around[*b].len() >= 6).collect();
+        let pairs =
+            wide.iter().enumerate().flat_map(|(k, first)| wide[k + 1..].iter().map(move |other| (*first, *other)));
+        let Some((first, other)) = pairs.into_iter().find(|(first, other)| self.has_six(*first, *other)) else {
+            return false;
+        };
+        let [base, first_name, other_name] = [base, first, other].map(|body| self.name(body));
+        let text = format!(
+            "no legs stand on the body of '{base}'; six join '{first_name}' and '{other_name}', so state which of them is the \
+             base: `--base-link {first_name}` or `--base-link {other_name}`"
+        );
+        findings.add(K::TooFewLegs, first_name, self.line(first), text);
+        true
     }
 
     /// The first link of a body.

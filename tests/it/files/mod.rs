@@ -1,8 +1,10 @@
 //! Files that are read and written: units, conditions, effects, kinds, URDF, and texts that are damaged.
 
+mod columns;
 mod conditions;
 mod documented;
 mod effects;
+mod homes;
 #[cfg(all(feature = "cli", feature = "conformance"))]
 mod kinds;
 #[cfg(feature = "cli")]

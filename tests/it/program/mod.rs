@@ -3,6 +3,7 @@
 mod bad_input;
 mod command_line;
 mod effects;
+mod guard;
 mod guide;
 mod mutated_calls;
 mod new;

@@ -7,3 +7,4 @@ mod long_lists;
 mod paper;
 mod picks;
 mod quality;
+mod steep;
