@@ -76,7 +76,9 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let with = if used.is_empty() { String::new() } else { format!(" with {}", used.join(", ")) };
     let comment = format!("{noun} to command for {}{with}", mechanism.name());
     let mut table = joints_and_poses(&machine, comment, &table_rows);
-    table.append(&guard.column());
+    if !guard.is_clear() {
+        table.append(&guard.column());
+    }
     table.append(&list.covariates);
     outputs.add(&args.output, table.to_text())?;
     ui.write(outputs)?;

@@ -38,6 +38,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let at = Conditions::unknown();
     let joints = mechanism.inverse(c, &mechanism.home(), &at)?;
     let mut warnings = machine.warnings.clone();
+    warnings.extend(machine.note_on_home());
     let survey = machine.workspace.as_ref().map(|w| {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let poses: Vec<_> = (0..SURVEYED).map(|_| w.random(&mut rng)).collect();

@@ -10,7 +10,7 @@ use crate::files::mechanism::sections::PlaneSection;
 use crate::files::mechanism::units::FileUnits;
 use crate::measurement::{Contact, Noise, TargetPoint};
 use crate::mechanism::{Mechanism, Workspace};
-use crate::pose::PoseConvention;
+use crate::pose::{Pose, PoseConvention};
 use crate::units::{Dimension, Unit};
 
 /// A mechanism with its environment, SI.
@@ -49,6 +49,8 @@ pub struct Machine {
     pub angle_unit: Unit,
     /// Warnings for the user.
     pub warnings: Vec<String>,
+    /// The mirror image of a home that the file does not state: the lengths fit it as well.
+    pub(super) other_home: Option<Pose>,
     /// Every file that it was read from.
     pub(super) inputs: Vec<PathBuf>,
     pub(super) document: MechanismDocument,
@@ -98,6 +100,20 @@ impl Machine {
     /// The mechanism by which the controller turns commanded poses into joints. It knows of no effects.
     pub fn commander(&self) -> &dyn Mechanism {
         self.nominal.as_deref().unwrap_or(self.plain())
+    }
+
+    /// What there is to say of a home that the file does not state, if the lengths fit its mirror image as well.
+    pub fn note_on_home(&self) -> Option<String> {
+        let other = self.other_home?;
+        let unit = self.length_unit;
+        let shown =
+            |pose: &Pose| format!("z = {:.3} {}", unit.from_si(pose.place(&self.convention.pivot).z), unit.name);
+        Some(format!(
+            "[home] is not stated; the lengths fit the platform at {}, which is taken, as well as its mirror image at {}, on \
+             the other side of the base (below it, if the machine hangs); state [home] with `position` and `rotation`",
+            shown(&self.mechanism.home()),
+            shown(&other)
+        ))
     }
 
     /// The `[plane]` of its file for this contact.

@@ -27,6 +27,7 @@ mod core;
 mod error;
 pub mod kinds;
 mod kinematics;
+mod mirror;
 mod mounted;
 pub(crate) mod mounting;
 mod parameter;
@@ -50,6 +51,7 @@ pub use error::{GeometryError, KinematicsError};
 pub use kinematics::{
     consistent, continuation, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point,
 };
+pub use mirror::{height_over_base, mirrored_home};
 pub use mounted::{Mounted, mount};
 pub use parameter::{Axis, JointSpec, ParameterRole, ParameterSpec};
 pub use pose_positioner::PosePositioner;

@@ -9,11 +9,11 @@ use crate::files::mechanism::effects::{Effects, with_effects};
 use crate::files::mechanism::environment::environment;
 use crate::files::mechanism::joint_names::check_joints;
 use crate::files::mechanism::kinds::file_kind::{FileKind, Source};
-use crate::files::mechanism::kinds::{self, KINDS};
+use crate::files::mechanism::kinds::{self, KINDS, six_hardpoint};
 use crate::files::mechanism::reader::Reader;
 use crate::files::read_options::ReadOptions;
 use crate::measurement::{Noise, TargetPoint};
-use crate::mechanism::{Mechanism, Workspace, mount};
+use crate::mechanism::{Mechanism, Workspace, mirrored_home, mount};
 use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
 
@@ -32,6 +32,9 @@ pub(crate) fn build(
     let own = options.mechanism.as_deref();
     let source = Source { reader, document: &document, convention: &convention, home, own };
     let (mechanism, nominal) = (kind.read)(&source, &mut warnings)?;
+    // Other kinds state their home.
+    let solved = home.is_none() && document.kind == six_hardpoint::KIND.name;
+    let other_home = if solved { mirrored_home(mechanism.as_ref()) } else { None };
     let noise = noise(reader, &document, mechanism.as_ref())?;
     let targets = targets(reader, &document)?;
     let contact = document.plane.as_ref().map(|p| p.read(reader)).transpose()?.unwrap_or_default();
@@ -69,6 +72,7 @@ pub(crate) fn build(
         length_unit: reader.units.length,
         angle_unit: reader.units.angle,
         warnings,
+        other_home,
         inputs: vec![reader.path.into()],
         document,
     })

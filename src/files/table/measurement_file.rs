@@ -19,7 +19,7 @@ use crate::files::table::text_table::Table;
 use crate::files::table::unused::{check_sigmas, copies, not_used};
 use crate::identification::Estimate;
 use crate::measurement::{DataRow, Dataset, Noise, Sample};
-use crate::mechanism::{KinematicsError, characteristic_length};
+use crate::mechanism::{KinematicsError, characteristic_length, height_over_base};
 use crate::units::Dimension;
 
 /// A measurement file, read.
@@ -89,16 +89,32 @@ fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measur
         }
         noise.known = true;
     }
-    warnings.extend(lacking(&table, machine, &samples)?);
+    warnings.extend(lacking(machine, &samples));
     let data = Dataset::new(samples, model, noise);
     let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
     warnings.extend(copies(&table));
+    warnings.extend(on_the_other_side(&data, machine));
     Ok(Measurement { data, warnings, columns_not_used: not_used(&table, machine), kind, source: (path.into(), cells) })
 }
 
 fn states_sigma(meaning: &Meaning) -> bool {
     matches!(meaning, Meaning::Sigma(_)) || matches!(meaning, Meaning::Reading(c) if c.sigma)
+}
+
+/// What there is to say if most poses were measured on that side of the base where the mirror image of home lies.
+fn on_the_other_side(data: &Dataset, machine: &Machine) -> Option<String> {
+    let note = machine.note_on_home()?;
+    let mechanism = machine.plain();
+    let at_home = height_over_base(mechanism, &mechanism.home());
+    let measured = (0..data.len()).filter_map(|k| {
+        let (model, index) = data.reading(k);
+        model.rigid_pose(index)
+    });
+    let other: Vec<bool> = measured.map(|pose| height_over_base(mechanism, &pose) * at_home < 0.0).collect();
+    let count = other.iter().filter(|other| **other).count();
+    (2 * count > other.len())
+        .then(|| format!("{count} of {} measured poses lie on the other side: {note}", other.len()))
 }
 
 /// The kind of reading that a table holds.

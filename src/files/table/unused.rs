@@ -27,7 +27,8 @@ pub(super) fn check_sigmas(table: &Table) -> Result<(), FileError> {
             }
             Meaning::Covariate(name) => {
                 let of = name.strip_prefix("sigma_");
-                of.filter(|of| table.columns.iter().all(|c| stem(&c.name) != *of)).map(str::to_owned)
+                let is_of = |other: &str, of: &str| other == of || other.rsplit_once('_').is_some_and(|(o, _)| o == of);
+                of.filter(|of| !table.columns.iter().any(|c| is_of(&c.name, of))).map(str::to_owned)
             }
             _ => None,
         };

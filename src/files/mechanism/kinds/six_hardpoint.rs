@@ -2,8 +2,6 @@
 
 use std::any::Any;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
-
 use super::file_kind::{FileKind, Made, Source, Target};
 use crate::conditions::Conditions;
 use crate::files::error::FileError;
@@ -11,10 +9,7 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
 use crate::files::mechanism::sections::LegEntry;
 use crate::files::table::writer::number;
-use crate::mechanism::{
-    Body, GeometryError, Leg, Linearization, Mechanism, SixHardpoint, check_distinct_anchors, forward_by_rows,
-};
-use crate::pose::{Pose, PoseConvention};
+use crate::mechanism::{GeometryError, Leg, Mechanism, SixHardpoint, check_distinct_anchors};
 
 /// Six legs of variable length, the kind of the paper.
 pub(crate) const KIND: FileKind = FileKind {
@@ -44,9 +39,6 @@ fn read(source: &Source<'_>, warned: &mut Vec<String>) -> Result<Made, FileError
     let mechanism =
         SixHardpoint::new(&document.name, &legs, home.map(|q| convention.pose(&q)), tolerance).map_err(geometry)?;
     warned.extend(warnings(&mechanism, &legs));
-    if home.is_none() {
-        warned.extend(other_home(r, &mechanism, convention));
-    }
     let nominal: Option<Box<dyn Mechanism>> = match nominal_legs.len() {
         0 => None,
         _ => {
@@ -139,53 +131,6 @@ fn warnings(mechanism: &SixHardpoint, legs: &[Leg]) -> Vec<String> {
         }
     }
     warnings
-}
-
-/// A warning if the lengths hold the platform as well on the other side of the base.
-fn other_home(r: &Reader<'_>, mechanism: &SixHardpoint, convention: &PoseConvention) -> Option<String> {
-    let other = mirrored_home(mechanism)?;
-    let shown = |pose: &Pose| number(r.units.length.from_si((1e9 * pose.place(&convention.pivot).z).round() / 1e9));
-    let unit = r.units.length.name;
-    Some(format!(
-        "[home] is not stated; the lengths fit the platform at z = {} {unit} as well as its mirror image at z = {} {unit}, \
-         below the base, and the first is taken; state [home] with `position` and `rotation` to say which it is",
-        shown(&mechanism.home()),
-        shown(&other)
-    ))
-}
-
-/// The pose near the mirror image of home in the horizontal plane of the base that has the same lengths.
-fn mirrored_home(mechanism: &SixHardpoint) -> Option<Pose> {
-    let (c, at, home) = (mechanism.values(), Conditions::unknown(), mechanism.home());
-    let height = |body: Body| {
-        let points = body.points(mechanism, c);
-        points.iter().map(|(_, p)| p.z).sum::<f64>() / points.len() as f64
-    };
-    let (platform, base) = (height(Body::Platform), height(Body::Base));
-    // A flat platform is its own mirror image in its plane, so that the mirrored one is only turned.
-    let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
-    let rotation = Rotation3::from_matrix_unchecked(mirror * home.rotation.matrix() * mirror);
-    let middle = home.place(&Vector3::new(0.0, 0.0, platform));
-    let middle = Vector3::new(middle.x, middle.y, 2.0 * base - middle.z);
-    let seed = Pose { position: middle - rotation * Vector3::new(0.0, 0.0, platform), rotation };
-    let lengths = mechanism.inverse(c, &home, &at).ok()?;
-    let mut work = Linearization::sized_for(mechanism);
-    let found = forward_by_rows(
-        &lengths,
-        &seed,
-        || mechanism.inverse(c, &seed, &at),
-        |joints, pose| {
-            mechanism.linearize(c, joints, pose, &at, &mut work);
-            (work.residual.clone(), work.motion.clone())
-        },
-    );
-    // On the same side it is home itself, or another assembly that nobody means.
-    let below = |pose: &Pose| {
-        (pose.place(&Vector3::new(0.0, 0.0, platform)).z - base)
-            * (home.place(&Vector3::new(0.0, 0.0, platform)).z - base)
-            < 0.0
-    };
-    found.ok().filter(below)
 }
 
 fn write(mechanism: &dyn Mechanism, target: &Target, document: &mut MechanismDocument) -> bool {
