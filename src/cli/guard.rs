@@ -78,7 +78,7 @@ impl Guard {
     }
 
     fn workspace(&mut self, machine: &Machine, rows: &[Compensated]) {
-        let Some(workspace) = &machine.workspace else { return };
+        let Some(workspace) = machine.workspace.as_ref().filter(|_| !machine.is_seen_from_elsewhere()) else { return };
         let mut outside = Vec::new();
         let mut most = [0.0_f64; 6];
         for (row, found) in rows.iter().enumerate() {

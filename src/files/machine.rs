@@ -116,6 +116,14 @@ impl Machine {
         ))
     }
 
+    /// True if its poses are those of an instrument that stands elsewhere, or of a target that sits elsewhere. The workspace,
+    /// a box along the axes of the drawing, then only says how large the moves are.
+    pub fn is_seen_from_elsewhere(&self) -> bool {
+        let home = self.commander().home();
+        let is_outside = |w: &Workspace| w.excess(&home).iter().any(|e| *e > 0.0);
+        self.plain().mounting().is_some() || self.workspace.as_ref().is_some_and(is_outside)
+    }
+
     /// The `[plane]` of its file for this contact.
     pub fn plane_section(&self, contact: &Contact) -> PlaneSection {
         PlaneSection::of(contact, self.length_unit)

@@ -140,13 +140,13 @@ fn contacts() {
             "sigma of a pose",
             "contact_mm,sigma_x_mm",
             "1,1",
-            &["column 'sigma_x_mm'", "sigma of a pose", "sigma_contact_"],
+            &["column 'sigma_x_mm'", "has no column 'x_…'", "add that one, or delete this"],
         ),
         contacts(
             "sigma without a contact",
             "sigma_contact_mm",
             "1",
-            &["d.csv: ", "sigma_contact_… without a column contact_…"],
+            &["d.csv: column 'sigma_contact_mm'", "has no column 'contact_…'", "add that one"],
         ),
     ]);
 }
