@@ -72,7 +72,7 @@ fn carry(mechanism: &dyn Mechanism, found: &Identification, frames: &Frames) -> 
 }
 
 /// The box with the same centre and the same spread along the axes of the tracker.
-pub(crate) fn carried_workspace(workspace: &Workspace, frames: &Frames) -> Workspace {
+pub fn carried_workspace(workspace: &Workspace, frames: &Frames) -> Workspace {
     if frames.is_identity() {
         return *workspace;
     }

@@ -35,7 +35,7 @@ mod task;
 
 pub use calibrate::calibrate;
 pub use calibration::{Calibration, CalibrationOptions};
-pub(crate) use carried::carried_workspace;
+pub use carried::carried_workspace;
 pub use error::IdentifyError;
 pub use estimators::fit::Fit;
 pub use estimators::identification::{Estimate, Identification};
