@@ -62,7 +62,7 @@ pub fn calibrate(
     let tolerance_factors = problem.belief().factors;
     let rows = problem.at_start()?;
     let wider: Vec<f64> = mechanism.parameters().iter().map(|s| tolerance_factors[group_of(s.role)]).collect();
-    let seen = rows.seen(found.noise_scale, &wider);
+    let seen = found.prior.then(|| rows.seen(found.noise_scale, &wider));
     let weak = if rows.without_weakness(found.noise_scale) {
         Vec::new()
     } else {
@@ -71,8 +71,8 @@ pub fn calibrate(
     let drawing = DrawingTest::of(&problem, &fit)?;
     let mut verdict = judge(mechanism, data, &found, converged);
     judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
-    if found.prior && 2 * seen < found.mechanism_parameters {
-        let (poses, convention) = poses_to_predict(&found, workspace, options);
+    let (poses, convention) = poses_to_predict(&found, workspace, options);
+    if let Some(seen) = seen.filter(|seen| 2 * seen < found.mechanism_parameters) {
         judge_poses(&mut verdict, seen, visible_directions(mechanism, &wider, &poses, &convention));
     }
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
@@ -84,8 +84,10 @@ pub fn calibrate(
         |errors| errors.rms(),
     );
     let nominal: Vec<Pose> = nominal.into_iter().collect::<Result<_, _>>()?;
-    let predicted = predict(mechanism, data, &found, workspace, &frames, options)?;
-    let of_drawing = drawing_error(mechanism, &found, tolerance_factors, workspace, options);
+    let predicted = predict(mechanism, data, &found, &frames, &poses, &convention)?;
+    // What is to be learned beyond placing the machine.
+    let of_drawing = without_conventions(mechanism, tolerance_factors)
+        .and_then(|covariance| predicted_errors(mechanism, &covariance, &poses, &convention));
     if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
         judge_prediction(&mut verdict, predicted, of_drawing, &after);
     }
@@ -244,34 +246,19 @@ fn predict(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     found: &Identification,
-    workspace: Option<&Workspace>,
     frames: &Frames,
-    options: &CalibrationOptions,
+    poses: &[Pose],
+    convention: &PoseConvention,
 ) -> Result<Option<PredictedError>, IdentifyError> {
     if found.parameters.iter().any(|p| p.sigma.is_none()) {
         return Ok(None);
     }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
-    let (poses, convention) = poses_to_predict(found, workspace, options);
     let pivot = frames.target.place(&convention.pivot);
-    let convention = PoseConvention { pivot, ..convention };
+    let convention = PoseConvention { pivot, ..*convention };
     let aligned = aligned.as_ref();
     Ok(match data.model().target_motion(&found.own_values()) {
-        Some(motion) => predicted_errors_of_target(aligned, &found.covariance, &motion, &poses, &convention),
-        None => predicted_errors(aligned, &found.mechanism_covariance(), &poses, &convention),
+        Some(motion) => predicted_errors_of_target(aligned, &found.covariance, &motion, poses, &convention),
+        None => predicted_errors(aligned, &found.mechanism_covariance(), poses, &convention),
     })
-}
-
-/// The error of the drawing at the same poses, if its parameters are as uncertain as their tolerances and all conventions are
-/// known: what is to be learned beyond placing the machine. `None` if not all parameters have a tolerance.
-fn drawing_error(
-    mechanism: &dyn Mechanism,
-    found: &Identification,
-    factors: [f64; 4],
-    workspace: Option<&Workspace>,
-    options: &CalibrationOptions,
-) -> Option<PredictedError> {
-    let covariance = without_conventions(mechanism, factors)?;
-    let (poses, convention) = poses_to_predict(found, workspace, options);
-    predicted_errors(mechanism, &covariance, &poses, &convention)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::{Body, Linearization, Mechanism, forward_by_rows};
+use super::{Body, Mechanism, forward_by_closure};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 
@@ -27,16 +27,7 @@ pub fn mirrored_home(mechanism: &dyn Mechanism) -> Option<Pose> {
     let across = Vector3::new(0.0, 0.0, 2.0 * height_over_base(mechanism, &home));
     let seed = Pose { position: home.place(&middle) - across - rotation * middle, rotation };
     let joints = mechanism.inverse(c, &home, &at).ok()?;
-    let mut work = Linearization::sized_for(mechanism);
-    let found = forward_by_rows(
-        &joints,
-        &seed,
-        || mechanism.inverse(c, &seed, &at),
-        |joints, pose| {
-            mechanism.linearize(c, joints, pose, &at, &mut work);
-            (work.residual.clone(), work.motion.clone())
-        },
-    );
+    let found = forward_by_closure(mechanism, c, &joints, &at, &seed);
     // On the same side it is home itself, or another assembly that nobody means.
     let beyond = |pose: &Pose| height_over_base(mechanism, pose) * height_over_base(mechanism, &home) < 0.0;
     found.ok().filter(beyond)

@@ -1,6 +1,6 @@
 //! Measurement files.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::conditions::Conditions;
 use crate::effect::WithInstrumentEffects;
@@ -36,8 +36,8 @@ pub struct Measurement {
     pub columns_not_used: Vec<String>,
     /// What was measured.
     pub(crate) kind: &'static dyn ReadingKind,
-    /// The file and its cells.
-    source: (PathBuf, Cells),
+    /// The file as it was read.
+    table: Table,
 }
 
 impl Measurement {
@@ -46,7 +46,9 @@ impl Measurement {
     /// # Errors
     /// As [`read_measurement`].
     pub fn of(&self, machine: &Machine) -> Result<Self, FileError> {
-        measurement_of(&self.source.0, self.source.1.clone(), machine)
+        let Table { path, columns, rows, warnings } = &self.table;
+        let header = columns.iter().map(|c| c.name.clone()).collect();
+        measurement_of(path, Cells { header, rows: rows.clone(), warnings: warnings.clone() }, machine)
     }
 
     /// Puts what was identified with the measurement into the file of the machine: places of targets, the plane. `own` are
@@ -68,7 +70,7 @@ pub fn read_measurement(path: impl AsRef<Path>, machine: &Machine) -> Result<Mea
 
 /// The measurement that the cells of a file state of a machine.
 fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measurement, FileError> {
-    let table = Table::of(path, cells.clone(), machine, &reading_columns(Some(machine)))?;
+    let table = Table::of(path, cells, machine, &reading_columns(Some(machine)))?;
     check_spelling(&table, machine)?;
     check_sigmas(&table)?;
     let mut warnings = Vec::new();
@@ -95,7 +97,7 @@ fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measur
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
     warnings.extend(copies(&table));
     warnings.extend(on_the_other_side(&data, machine));
-    Ok(Measurement { data, warnings, columns_not_used: not_used(&table, machine), kind, source: (path.into(), cells) })
+    Ok(Measurement { data, warnings, columns_not_used: not_used(&table, machine), kind, table })
 }
 
 fn states_sigma(meaning: &Meaning) -> bool {

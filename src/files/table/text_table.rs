@@ -12,6 +12,7 @@ use crate::files::table::column::{Column, Meaning, ReadingNames, column};
 use crate::files::table::writer::CsvTable;
 
 /// A table whose rows all have the length of its header.
+#[derive(Debug)]
 pub(crate) struct Table {
     pub(crate) path: PathBuf,
     pub(crate) columns: Vec<Column>,

@@ -161,18 +161,14 @@ fn spread(
 ) -> [f64; 4] {
     std::array::from_fn(|k| {
         let Some(group) = &groups[k] else { return 1.0 };
-        let n = group.members.len();
-        let mut held = DMatrix::identity(n, n);
-        let mut directions = n;
-        if let Some(q) = group.convention.as_ref().filter(|_| belief.conventions.free()[k]) {
-            held -= q * q.transpose();
-            directions -= q.ncols();
-        }
+        let free = belief.conventions.free()[k];
+        let conventions = group.convention.as_ref().filter(|_| free).map_or(0, DMatrix::ncols);
+        let directions = group.members.len() - conventions;
         if directions == 0 {
             return 1.0;
         }
-        let shift = group.members.iter().zip(&group.widths).map(|(p, w)| (values[*p] - prior.centre()[*p]) / w);
-        let shift = &held * DVector::from_iterator(n, shift);
+        let held = group.convention_times(if free { 0.0 } else { 1.0 });
+        let shift = &held * group.shift(prior.centre(), values.as_slice());
         let expected = shift.norm_squared() + (&held * scaled(group, covariance)).trace();
         (expected / directions as f64).sqrt().max(1.0)
     })

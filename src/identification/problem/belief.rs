@@ -49,16 +49,12 @@ impl Conventions {
     /// Those that the identified values contradict: along them the points, or the zeros, moved farther than so many tolerances
     /// allow.
     pub fn contradicted(mechanism: &dyn Mechanism, values: &[f64], tolerances: f64) -> Self {
-        let start = mechanism.values();
-        let differs = |group: usize| {
-            let Some(group) = &Group::all(mechanism)[group] else { return false };
-            let Some(q) = &group.convention else { return false };
-            let shift =
-                group.members.iter().zip(&group.widths).map(|(k, w)| (values[*k] - start[*k]) / (tolerances * w));
-            let along = q.transpose() * DVector::from_iterator(group.members.len(), shift);
+        let [target, tracker, zeros, _] = Group::all(mechanism).map(|group| {
+            let Some((group, q)) = group.as_ref().and_then(|g| Some((g, g.convention.as_ref()?))) else { return false };
+            let along = q.transpose() * group.shift(mechanism.values(), values) / tolerances;
             ChiSquared::new(q.ncols() as f64).is_ok_and(|chi| chi.sf(along.norm_squared()) < NOT_STATED)
-        };
-        Self { target: differs(0), tracker: differs(1), zeros: differs(2) }
+        });
+        Self { target, tracker, zeros }
     }
 
     /// Those that are free in either.
@@ -94,9 +90,7 @@ impl Belief {
     pub fn stated(conventions: Conventions) -> Self {
         Self { conventions, factors: [1.0; 4], platform_held: false, centre: None }
     }
-}
 
-impl Belief {
     /// How much narrower than its tolerances each convention is taken, by group.
     pub(crate) fn narrowness(&self) -> [f64; 4] {
         let mut along = self.conventions.free().map(|free| if free { 1.0 / FREE } else { 1.0 });
@@ -124,9 +118,23 @@ pub(crate) struct Group {
 impl Group {
     /// All groups, in the order of [`GROUPS`]; `None` for those without members.
     pub(crate) fn all(mechanism: &dyn Mechanism) -> [Option<Self>; 4] {
-        // Parameters without a tolerance are as good as free.
-        let widths: Vec<f64> = mechanism.parameters().iter().map(|s| s.tolerance.unwrap_or(f64::INFINITY)).collect();
-        Self::of(mechanism, &widths)
+        Self::of(mechanism, &widths(mechanism, [1.0; 4]))
+    }
+
+    /// How far its members are from one set of parameters to another, over their widths.
+    pub(crate) fn shift(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
+        let shift = self.members.iter().zip(&self.widths).map(|(k, w)| (to[*k] - from[*k]) / w);
+        DVector::from_iterator(self.members.len(), shift)
+    }
+
+    /// `I + (factor - 1) Q Qᵀ`: multiplies what lies along its convention and leaves the rest.
+    pub(crate) fn convention_times(&self, factor: f64) -> DMatrix<f64> {
+        let n = self.members.len();
+        let mut times = DMatrix::identity(n, n);
+        if let Some(q) = &self.convention {
+            times += q * q.transpose() * (factor - 1.0);
+        }
+        times
     }
 
     /// Its conventions as columns in all `n` parameters over their tolerances.
@@ -168,19 +176,22 @@ impl Group {
     }
 }
 
+/// The tolerance of each parameter times the factor of its group; infinite without one, which is as good as free.
+pub(crate) fn widths(mechanism: &dyn Mechanism, factors: [f64; 4]) -> Vec<f64> {
+    let width = |s: &ParameterSpec| s.tolerance.map_or(f64::INFINITY, |t| t * factors[group_of(s.role)]);
+    mechanism.parameters().iter().map(width).collect()
+}
+
 /// Covariance of the parameters before anything is measured, if all conventions are known; `None` if not all parameters have a
 /// tolerance.
 pub(crate) fn without_conventions(mechanism: &dyn Mechanism, factors: [f64; 4]) -> Option<DMatrix<f64>> {
-    let specs = mechanism.parameters();
-    let width = |s: &ParameterSpec| s.tolerance.map(|t| t * factors[group_of(s.role)]);
-    let widths: Option<Vec<f64>> = specs.iter().map(width).collect();
-    let mut covariance = DMatrix::zeros(specs.len(), specs.len());
-    for group in Group::of(mechanism, &widths?).iter().flatten() {
-        let n = group.members.len();
-        let held = group
-            .convention
-            .as_ref()
-            .map_or_else(|| DMatrix::identity(n, n), |q| DMatrix::identity(n, n) - q * q.transpose());
+    let widths = widths(mechanism, factors);
+    if widths.iter().any(|w| w.is_infinite()) {
+        return None;
+    }
+    let mut covariance = DMatrix::zeros(widths.len(), widths.len());
+    for group in Group::of(mechanism, &widths).iter().flatten() {
+        let held = group.convention_times(0.0);
         for (i, k) in group.members.iter().enumerate() {
             for (j, l) in group.members.iter().enumerate() {
                 covariance[(*k, *l)] = held[(i, j)] * group.widths[i] * group.widths[j];

@@ -1,7 +1,7 @@
 //! Manufacturing tolerances as prior knowledge.
 
 use crate::identification::error::IdentifyError;
-use crate::identification::problem::belief::{Belief, Conventions, Group, group_of};
+use crate::identification::problem::belief::{Belief, Conventions, Group, widths};
 use crate::mechanism::{Mechanism, ParameterSpec, characteristic_length};
 use crate::units::Dimension;
 use nalgebra::{DMatrix, DVector};
@@ -33,6 +33,7 @@ pub struct Prior {
 
 /// How firmly unseen directions are held, as a part of the scale.
 const HOLD: f64 = 1e-3;
+
 impl Prior {
     /// The most probable values of the parameters before anything is measured.
     pub(crate) fn centre(&self) -> &[f64] {
@@ -45,34 +46,25 @@ impl Prior {
     /// # Errors
     /// [`IdentifyError::NoTolerance`] if no parameter has one.
     pub fn from_tolerance(mechanism: &dyn Mechanism, belief: &Belief) -> Result<Self, IdentifyError> {
-        let factors = &belief.factors;
-        let specs = mechanism.parameters();
-        let width = |s: &ParameterSpec| s.tolerance.map_or(f64::INFINITY, |t| t * factors[group_of(s.role)]);
-        let widths: Vec<f64> = specs.iter().map(width).collect();
-        let rows = rows(mechanism, &widths, belief.narrowness());
+        let groups = Group::of(mechanism, &widths(mechanism, belief.factors));
+        let rows = rows(&groups, mechanism.parameters().len(), belief.narrowness());
         if rows.nrows() == 0 {
             return Err(IdentifyError::NoTolerance);
         }
         let start = mechanism.values();
-        let centre = belief.centre.as_deref().map_or_else(
-            || start.to_vec(),
-            |found| {
-                let mut centre = start.to_vec();
-                for (group, free) in Group::of(mechanism, &widths).iter().zip(belief.conventions.free()) {
-                    let Some((group, q)) =
-                        group.as_ref().filter(|_| free).and_then(|g| Some((g, g.convention.as_ref()?)))
-                    else {
-                        continue;
-                    };
-                    let shift = group.members.iter().zip(&group.widths).map(|(k, w)| (found[*k] - start[*k]) / w);
-                    let along = q * (q.transpose() * DVector::from_iterator(group.members.len(), shift));
-                    for ((k, w), moved) in group.members.iter().zip(&group.widths).zip(along.iter()) {
-                        centre[*k] += w * moved;
-                    }
+        let mut centre = start.to_vec();
+        if let Some(found) = &belief.centre {
+            for (group, free) in groups.iter().zip(belief.conventions.free()) {
+                let Some((group, q)) = group.as_ref().filter(|_| free).and_then(|g| Some((g, g.convention.as_ref()?)))
+                else {
+                    continue;
+                };
+                let along = q * (q.transpose() * group.shift(start, found));
+                for ((k, w), moved) in group.members.iter().zip(&group.widths).zip(along.iter()) {
+                    centre[*k] += w * moved;
                 }
-                centre
-            },
-        );
+            }
+        }
         Ok(Self { centre, rows, held: None })
     }
 
@@ -93,7 +85,8 @@ impl Prior {
             )
         };
         let widths: Vec<f64> = specs.iter().zip(mechanism.values()).map(|(s, v)| width(s, *v)).collect();
-        let rows = rows(mechanism, &widths, Belief::stated(conventions).narrowness());
+        let groups = Group::of(mechanism, &widths);
+        let rows = rows(&groups, widths.len(), Belief::stated(conventions).narrowness());
         Self { centre: mechanism.values().to_vec(), rows, held: None }
     }
 
@@ -156,19 +149,16 @@ impl Prior {
     }
 }
 
-/// A row for each parameter of finite width; along the convention of a group they are multiplied by its `narrowness`.
-fn rows(mechanism: &dyn Mechanism, widths: &[f64], narrowness: [f64; 4]) -> DMatrix<f64> {
-    let groups = Group::of(mechanism, widths);
+/// A row for each member of the groups, in all `parameters`; along the convention of a group they are multiplied by its
+/// `narrowness`.
+fn rows(groups: &[Option<Group>; 4], parameters: usize, narrowness: [f64; 4]) -> DMatrix<f64> {
     let count = groups.iter().flatten().map(|g| g.members.len()).sum();
-    let mut rows = DMatrix::zeros(count, widths.len());
+    let mut rows = DMatrix::zeros(count, parameters);
     let mut first = 0;
     for (group, along) in groups.iter().zip(narrowness) {
         let Some(group) = group else { continue };
         let n = group.members.len();
-        let mut precision = DMatrix::identity(n, n);
-        if let Some(q) = &group.convention {
-            precision += q * q.transpose() * (along - 1.0);
-        }
+        let precision = group.convention_times(along);
         for (column, (k, width)) in group.members.iter().zip(&group.widths).enumerate() {
             rows.view_mut((first, *k), (n, 1)).copy_from(&(precision.column(column) / *width));
         }

@@ -1,10 +1,10 @@
 //! Deviations of the parameters from the file that are those of the machine, and not of the place of tracker and target.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::page::Part;
 use crate::identification::{Calibration, Estimate};
-use crate::mechanism::{Body, ParameterRole};
+use crate::mechanism::{Body, ParameterRole, rigid_directions};
 use crate::solve::minimum_norms;
 use crate::units::{Dimension, fixed, show_quantity};
 
@@ -18,7 +18,7 @@ pub(super) fn in_the_drawing(c: &Calibration) -> Vec<Estimate> {
     if !c.registration.applied {
         return all;
     }
-    let rigid = rigid_motions(&all[..n]);
+    let Some(rigid) = rigid_motions(c, &all[..n]) else { return all };
     let keep = DMatrix::identity(n, n) - &rigid * minimum_norms(&rigid, &DMatrix::identity(n, n));
     let deviation = &keep * DVector::from_iterator(n, all[..n].iter().map(|p| p.value - p.start));
     let covariance = &keep * found.mechanism_covariance() * keep.transpose();
@@ -29,30 +29,13 @@ pub(super) fn in_the_drawing(c: &Calibration) -> Vec<Estimate> {
     all
 }
 
-/// Columns of small rigid motions of the points of each body, three shifts and three turns.
-fn rigid_motions(parameters: &[Estimate]) -> DMatrix<f64> {
-    let mut columns = DMatrix::zeros(parameters.len(), 12);
-    for (first, body) in [(0, Body::Base), (6, Body::Platform)] {
-        let of = |p: &Estimate| body.coordinate(p.spec.role);
-        let point = |leg: usize| {
-            let mut point = Vector3::zeros();
-            parameters.iter().filter_map(|p| Some((of(p)?, p.start))).filter(|((l, _), _)| *l == leg).for_each(
-                |((_, axis), value)| {
-                    point[axis] = value;
-                },
-            );
-            point
-        };
-        for (k, p) in parameters.iter().enumerate() {
-            let Some((leg, axis)) = of(p) else { continue };
-            for i in 0..3 {
-                let unit = Vector3::ith(i, 1.0);
-                columns[(k, first + i)] = unit[axis];
-                columns[(k, first + 3 + i)] = unit.cross(&point(leg))[axis];
-            }
-        }
-    }
-    columns
+/// Columns of small rigid motions of the points of each body, as the drawing has them.
+fn rigid_motions(c: &Calibration, parameters: &[Estimate]) -> Option<DMatrix<f64>> {
+    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    let drawn = c.mechanism.with_values(&start, c.mechanism.home()).ok()?;
+    let scale = vec![1.0; start.len()];
+    let of_body = |body| rigid_directions(drawn.as_ref(), body, &scale);
+    Some(DMatrix::from_columns(&[Body::Base, Body::Platform].map(of_body).concat()))
 }
 
 /// Deviations that are no convention: not the offsets of joints, which the frames are listed with.

@@ -1,16 +1,9 @@
 //! Nothing of what stands in a measurement file is dropped in silence: it is read, named, or refused.
 
-use paracal::files::{FileError, Machine, Measurement, read_measurement, read_poses};
+use paracal::files::{Machine, read_measurement, read_poses};
 
+use super::read_table as read;
 use crate::common::bench::{NOISY, TABLE_5, says};
-
-fn read(text: &str) -> Result<Measurement, FileError> {
-    let machine = Machine::from_text(TABLE_5, "m.toml".as_ref()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("d.csv");
-    std::fs::write(&path, text).unwrap();
-    read_measurement(&path, &machine)
-}
 
 /// The bundled data with other names of their columns.
 fn renamed(names: &[(&str, &str)]) -> String {

@@ -1,17 +1,10 @@
 //! One measurement, written as spreadsheets, scripts and instruments write it.
 
-use paracal::files::{FileError, Machine, Measurement, read_measurement, read_poses};
+use paracal::files::{Machine, Measurement, read_poses};
 use proptest::prelude::*;
 
+use super::read_table as read;
 use crate::common::bench::{NOISY, TABLE_5, says};
-
-fn read(text: &str) -> Result<Measurement, FileError> {
-    let machine = Machine::from_text(TABLE_5, "m.toml".as_ref()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("d.csv");
-    std::fs::write(&path, text).unwrap();
-    read_measurement(&path, &machine)
-}
 
 /// Joints and measured coordinates of every row.
 fn content(read: &Measurement) -> Vec<(Vec<f64>, [f64; 6])> {
