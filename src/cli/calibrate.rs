@@ -186,10 +186,10 @@ fn page(args: &Args, ui: &Ui, machine: &Machine, measurement: &Measurement, resu
         let residuals = ModelResiduals::new(name, mechanism, own, data).map_err(about)?;
         Ok::<_, anyhow::Error>(residuals.in_base(&html::frames_of(mechanism, machine.commander())))
     };
-    let models = [
-        seen("calibrated", result.mechanism.as_ref(), &own, data)?,
-        seen("as given", machine.mechanism.as_ref(), &[], &aligned)?,
-    ];
+    let mut models = vec![seen("calibrated", result.mechanism.as_ref(), &own, data)?];
+    if result.not_reached == 0 {
+        models.push(seen("as given", machine.mechanism.as_ref(), &[], &aligned)?);
+    }
     let settings =
         settings(Some(args.seed), machine.inputs().iter().chain([&args.data]).chain(args.held_file().as_ref()));
     let subject = page_subject(ui, machine, result.mechanism.as_ref(), settings);

@@ -8,7 +8,7 @@ use crate::conditions::Conditions;
 use crate::files::Machine;
 use crate::identification::IdentifyError;
 use crate::measurement::{DataRow, Dataset};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{ForwardQuery, Mechanism};
 use crate::report::html;
 use crate::units::Dimension;
 use anyhow::anyhow;
@@ -34,12 +34,29 @@ pub(crate) fn about(error: IdentifyError, machine: &Machine, path: &Path, data: 
     match error {
         IdentifyError::NoTolerance => anyhow!("{}: {error}", machine.path.display()),
         IdentifyError::PriorWithoutWeights => anyhow!(error),
+        IdentifyError::Sample { .. } if most_fail(machine, data) => anyhow!(
+            "{}: {error}; the mechanism reaches less than half of the {} data rows, so that rather the file is read otherwise than \
+             meant: check where the lengths count from (length_offset in the mechanism file), the units, the order and the signs \
+             of the joints, and the dimensions and home of the mechanism; `paracal diagnose` looks for such mistakes",
+            path.display(),
+            data.len()
+        ),
         IdentifyError::Sample { row, .. } => {
             let hint = odd_joint(machine, data, row).map_or_else(String::new, |hint| format!("; {hint}"));
             anyhow!("{}: {error}{hint}", path.display())
         }
         _ => anyhow!("{}: {error}", path.display()),
     }
+}
+
+/// True if the mechanism reaches less than half of the samples.
+fn most_fail(machine: &Machine, data: &Dataset) -> bool {
+    let mechanism = machine.mechanism.as_ref();
+    let home = mechanism.home();
+    let queries: Vec<ForwardQuery<'_>> =
+        data.iter().map(|s| ForwardQuery::new(&s.joints, &s.conditions, home)).collect();
+    let failing = mechanism.forward_batch(mechanism.values(), &queries).iter().filter(|pose| pose.is_err()).count();
+    2 * failing > data.len()
 }
 
 /// The joint of a row that is farthest from its place at home.

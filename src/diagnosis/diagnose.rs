@@ -36,7 +36,7 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         return Ok(misread_file(data, misread));
     }
     let (data, gaps) = complete_rows(data);
-    let registration = register(mechanism, &data)?;
+    let registration = register(mechanism, &data);
     let data = data.with_frames(registration.frames);
     let prior = match zeros_are_elsewhere(mechanism, &data) {
         true => Prior::wide(mechanism, TOLERANCES, Conventions { zeros: true, ..Conventions::FRAMES }),

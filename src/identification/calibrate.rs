@@ -11,10 +11,12 @@ use crate::identification::estimators::identification::Identification;
 use crate::identification::estimators::identifiers::Identifier;
 use crate::identification::judgement::drawing::{DrawingTest, widened};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
-use crate::identification::judgement::held_out::{HeldOut, Holdout, held_out};
+use crate::identification::judgement::held_out::{Holdout, held_out, held_out_data};
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
 use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target, visible_directions};
-use crate::identification::judgement::verdict::{judge, judge_drawing, judge_poses, judge_prediction};
+use crate::identification::judgement::verdict::{
+    judge, judge_commands, judge_drawing, judge_held_out, judge_poses, judge_prediction,
+};
 use crate::identification::judgement::warnings::with_warnings;
 use crate::identification::judgement::weak_directions::weak_directions;
 use crate::identification::problem::belief::{Belief, Conventions, group_of, without_conventions};
@@ -53,10 +55,7 @@ pub fn calibrate(
     let Carried { mechanism: calibrated, parameters, covariance, plausibility } = carried(mechanism, &found, &frames)?;
     let own = found.own_values();
     let held_out = match &options.holdout {
-        Holdout::Data(other) => {
-            let errors = evaluate(calibrated.as_ref(), &own, other).map_err(|e| IdentifyError::HeldOut(Box::new(e)))?;
-            Some(HeldOut { rms: errors.rms(), samples: errors.samples.len() })
-        }
+        Holdout::Data(other) => Some(held_out_data(&found, mechanism, &frames, other)?),
         holdout => held_out(identifier, &problem, &fit, holdout, options.seed)?,
     };
     let tolerance_factors = problem.belief().factors;
@@ -83,7 +82,8 @@ pub fn calibrate(
         },
         |errors| errors.rms(),
     );
-    let nominal: Vec<Pose> = nominal.into_iter().collect::<Result<_, _>>()?;
+    let not_reached = nominal.iter().filter(|pose| pose.is_err()).count();
+    let nominal: Option<Vec<Pose>> = nominal.into_iter().collect::<Result<_, _>>().ok();
     let predicted = predict(mechanism, data, &found, &frames, &poses, &convention)?;
     // What is to be learned beyond placing the machine.
     let of_drawing = without_conventions(mechanism, tolerance_factors)
@@ -91,11 +91,16 @@ pub fn calibrate(
     if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
         judge_prediction(&mut verdict, predicted, of_drawing, &after);
     }
+    judge_commands(&mut verdict, data);
+    if let Some(held_out) = &held_out {
+        judge_held_out(&mut verdict, held_out, &after, &found.misfit, data.row_count());
+    }
     let result = Calibration {
         measurement: data.model().describe(),
         nuisance_heading: data.model().nuisance_heading(),
         identifier: identifier.name().to_owned(),
-        before: errors_at(&nominal, &[], data).rms(),
+        before: nominal.map_or_else(ErrorSummary::default, |poses| errors_at(&poses, &[], data).rms()),
+        not_reached,
         after,
         held_out,
         predicted,
@@ -124,8 +129,18 @@ struct Solved<'a> {
     converged: bool,
 }
 
-/// The fit of a problem, and whether it converged.
+/// The fit of a problem, and whether it converged; where it does not from one start, it may from another.
 fn estimated(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) -> Result<(Fit, bool), IdentifyError> {
+    match identifier.estimate(problem) {
+        Ok(fit) => Ok((fit, true)),
+        Err(IdentifyError::NotConverged { .. } | IdentifyError::Solve(_)) if problem.begin_at_closure() => {
+            once_more(identifier, problem)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn once_more(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) -> Result<(Fit, bool), IdentifyError> {
     match identifier.estimate(problem) {
         Ok(fit) => Ok((fit, true)),
         Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
@@ -151,7 +166,7 @@ fn identified<'a>(
         Ok(Solved { registration, problem, fit, converged })
     };
     let frames = Conventions { tracker: true, target: !places_are_identified(data), zeros: false };
-    let mut tried = register_poses(mechanism, data, nominal)?;
+    let mut tried = register_poses(mechanism, data, nominal);
     // A mechanism that carries its points takes the frames up in them.
     if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
         let conventions = if tried.frames.is_identity() { Conventions::STATED } else { frames };
@@ -171,7 +186,7 @@ fn identified<'a>(
         if fits {
             break;
         }
-        tried = register(mechanism.with_values(&values, mechanism.home())?.as_ref(), data)?;
+        tried = register(mechanism.with_values(&values, mechanism.home())?.as_ref(), data);
         if !tried.applied {
             break;
         }

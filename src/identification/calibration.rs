@@ -96,8 +96,10 @@ pub struct Calibration {
     pub registration: Registration,
     /// The workspace in the frames of the measurement.
     pub workspace: Option<Workspace>,
-    /// RMS errors of the mechanism as it was given.
+    /// RMS errors of the mechanism as it was given; nothing if it does not reach all samples.
     pub before: ErrorSummary,
+    /// Samples that the mechanism as it was given does not reach.
+    pub not_reached: usize,
     /// RMS errors of the calibrated mechanism on the rows that were fitted.
     pub after: ErrorSummary,
     /// RMS errors on rows that were not fitted.

@@ -55,6 +55,7 @@ pub(crate) use judgement::warnings::IN_ANOTHER_FRAME;
 pub use judgement::weak_directions::{WeakDirection, weak_directions};
 pub use problem::belief::{Belief, Conventions, GROUPS};
 pub use problem::calibration_problem::CalibrationProblem;
+pub(crate) use problem::closure_fit::{ClosureFit, ClosureRow, Look};
 pub use problem::prior::{Prior, PriorPolicy};
 pub use problem::spectrum::DataSpectrum;
 pub use registration::{Registration, register};

@@ -66,12 +66,9 @@ const TRACKER: f64 = 100.0;
 
 /// Finds the frames of the data, if they are not near the base frame and the platform frame already.
 ///
-/// Samples of which neither the pose nor a point is complete do not take part; with fewer than three others the
-/// data are taken to be in the base frame.
-///
-/// # Errors
-/// [`IdentifyError::Sample`] if the nominal mechanism has no pose for a sample.
-pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Result<Registration, IdentifyError> {
+/// Samples of which neither the pose nor a point is complete, and those that the mechanism does not reach, do not take part;
+/// with fewer than three others the data are taken to be in the base frame.
+pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Registration {
     register_poses(mechanism, data, &poses_from_home(mechanism, data))
 }
 
@@ -80,11 +77,11 @@ pub(crate) fn register_poses(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     poses: &[Result<Pose, IdentifyError>],
-) -> Result<Registration, IdentifyError> {
-    let pairs = pairs(data, poses)?;
+) -> Registration {
+    let pairs = pairs(data, poses);
     let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
     if pairs.len() < FEWEST || !takes_frames(mechanism) {
-        return Ok(unregistered(f64::NAN));
+        return unregistered(f64::NAN);
     }
     let size = characteristic_length(mechanism);
     let tolerance = mechanism
@@ -97,13 +94,13 @@ pub(crate) fn register_poses(
     let target = data.model().target_frame();
     let before = misfit(&pairs, &Frames::default(), size);
     if before <= near && target != TargetFrame::Identified {
-        return Ok(unregistered(before));
+        return unregistered(before);
     }
     // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
     let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
     // Points at unknown places have no meaning in the platform frame until their places are found.
     if before <= near && target != TargetFrame::Identified {
-        return Ok(unregistered(before));
+        return unregistered(before);
     }
     let steps: &[Free] = if target == TargetFrame::Known { &[Free::Base] } else { &[Free::Target, Free::Both] };
     let mut best: Option<(f64, Frames)> = None;
@@ -127,9 +124,9 @@ pub(crate) fn register_poses(
                 // The identified places take the place of a target frame.
                 frames.target = Pose::identity();
             }
-            Ok(Registration { frames, applied: !frames.is_identity(), before, after })
+            Registration { frames, applied: !frames.is_identity(), before, after }
         }
-        _ => Ok(unregistered(before)),
+        _ => unregistered(before),
     }
 }
 
@@ -142,21 +139,22 @@ fn takes_frames(mechanism: &dyn Mechanism) -> bool {
     !mechanism.parameters().iter().any(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
 }
 
-fn pairs(data: &Dataset, poses: &[Result<Pose, IdentifyError>]) -> Result<Vec<Pair>, IdentifyError> {
+fn pairs(data: &Dataset, poses: &[Result<Pose, IdentifyError>]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (k, nominal) in poses.iter().enumerate() {
         let (model, index) = data.reading(k);
         let full = model.rigid_pose(index);
         let point = model.point(index).map(|p| (p.position, p.place));
         let Some((point, place)) = full.map(|p| (p.position, Vector3::zeros())).or(point) else { continue };
-        let nominal = nominal.clone()?;
-        pairs.push(Pair { nominal, point, place, rotation: full.map(|p| p.rotation) });
+        // A sample that the mechanism as it is given does not reach says nothing of the frames yet.
+        let Ok(nominal) = nominal else { continue };
+        pairs.push(Pair { nominal: *nominal, point, place, rotation: full.map(|p| p.rotation) });
     }
     // Attitudes are worth more than points: samples without one are left out while enough others have one.
     if pairs.iter().filter(|p| p.rotation.is_some()).count() >= FEWEST {
         pairs.retain(|p| p.rotation.is_some());
     }
-    Ok(pairs)
+    pairs
 }
 
 /// Median over the samples of the size of [`residual`] that parameters as uncertain as their tolerances cause.

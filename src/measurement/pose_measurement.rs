@@ -27,16 +27,34 @@ pub struct PoseReading {
 /// tracker that lies on its side meets no singularity, and equal σ of the three angles stay what they are. Should
 /// the platform itself be tilted by more than 30°, attitudes are compared as rotation vectors.
 /// If an angle is missing, the others are compared as they stand in the file.
+///
+/// The same attitude can be written as many triples of angles; all give the same rows.
 #[derive(Clone, Debug)]
 pub struct PoseMeasurement {
     convention: PoseConvention,
     readings: Vec<PoseReading>,
+    /// Of each reading with all three angles.
+    attitudes: Vec<Option<Attitude>>,
+}
+
+/// A measured attitude in the tracker's frame.
+#[derive(Clone, Copy, Debug)]
+struct Attitude {
+    rotation: Rotation3<f64>,
+    /// Its angles with `|β| ≤ π/2`, whichever triple the file has.
+    angles: Vector3<f64>,
 }
 
 impl PoseMeasurement {
     /// Readings in the coordinates of a convention.
     pub fn new(convention: PoseConvention, readings: Vec<PoseReading>) -> Self {
-        Self { convention, readings }
+        let attitude = |reading: &PoseReading| {
+            let rotation = convention.rotation(&reading_angles(reading));
+            let angles = convention.angles(&rotation);
+            reading.measured[3..].iter().all(|m| *m).then_some(Attitude { rotation, angles })
+        };
+        let attitudes = readings.iter().map(attitude).collect();
+        Self { convention, readings, attitudes }
     }
 
     /// Full poses with the same noise in each row.
@@ -47,11 +65,7 @@ impl PoseMeasurement {
             measured: [true; 6],
             sigma: [p, p, p, r, r, r],
         };
-        Self { convention, readings: poses.iter().map(reading).collect() }
-    }
-
-    fn rotation(&self, reading: &PoseReading) -> Option<Rotation3<f64>> {
-        reading.measured[3..].iter().all(|m| *m).then(|| self.convention.rotation(&reading_angles(reading)))
+        Self::new(convention, poses.iter().map(reading).collect())
     }
 
     /// The measured attitude as it is in the base frame.
@@ -61,15 +75,9 @@ impl PoseMeasurement {
 
     /// Differences of the three angles in the base frame and their rates, or of the attitudes as a rotation vector
     /// where the angles are near their singularity.
-    fn attitude_rows(
-        &self,
-        reading: &PoseReading,
-        full: &Rotation3<f64>,
-        pose: &Pose,
-        frames: &Frames,
-    ) -> (Vector3<f64>, Matrix3<f64>) {
-        let seen = self.in_base(full, frames);
-        let measured = if frames.is_identity() { reading_angles(reading) } else { self.convention.angles(&seen) };
+    fn attitude_rows(&self, attitude: &Attitude, pose: &Pose, frames: &Frames) -> (Vector3<f64>, Matrix3<f64>) {
+        let seen = self.in_base(&attitude.rotation, frames);
+        let measured = if frames.is_identity() { attitude.angles } else { self.convention.angles(&seen) };
         if measured.y.abs() > STEEP {
             let turn = rotation_vector(&(pose.rotation * seen.inverse()));
             return (turn, rotation_vector_rates(&turn));
@@ -143,8 +151,8 @@ impl MeasurementModel for PoseMeasurement {
         if !reading.measured[3..].iter().any(|m| *m) {
             return;
         }
-        let (difference, rates) = match self.rotation(reading) {
-            Some(full) => self.attitude_rows(reading, &full, pose, frames),
+        let (difference, rates) = match &self.attitudes[index] {
+            Some(attitude) => self.attitude_rows(attitude, pose, frames),
             None => {
                 let seen = frames.base.rotation * pose.rotation * frames.target.rotation;
                 let angles = self.convention.angles(&seen);
@@ -171,18 +179,16 @@ impl MeasurementModel for PoseMeasurement {
         }
         let [.., a, b, c] = reading.sigma;
         let unequal = a != b || b != c;
-        if let (Some(full), true) = (self.rotation(reading), unequal) {
+        if let (Some(Attitude { rotation: full, angles: stated }), true) = (&self.attitudes[sample], unequal) {
             // Unequal σ of the three angles are carried to the rows that `attitude_rows` makes of them.
-            let seen = self.in_base(&full, frames);
+            let seen = self.in_base(full, frames);
             let angles = self.convention.angles(&seen);
             let rates = if angles.y.abs() > STEEP {
                 Matrix3::identity()
             } else {
                 inverse_or_nan(&self.convention.angle_axes(&angles))
             };
-            let to_base = rates
-                * frames.base.rotation.inverse().matrix()
-                * self.convention.angle_axes(&self.convention.angles(&full));
+            let to_base = rates * frames.base.rotation.inverse().matrix() * self.convention.angle_axes(stated);
             let carried = to_base * Matrix3::from_diagonal(&Vector3::new(a * a, b * b, c * c)) * to_base.transpose();
             let first = measured.len() - 3;
             covariance.view_mut((first, first), (3, 3)).copy_from(&carried);

@@ -9,7 +9,7 @@ use crate::conditions::Conditions;
 use crate::pose::Pose;
 use crate::solve::{
     EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, LeastSquaresSolution, NewtonError,
-    NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton, svd,
+    NewtonOptions, NewtonProblem, NewtonSolution, SolveError, least_squares, newton,
 };
 
 /// Smallest part of the way that [`continuation`] tries in one step.
@@ -79,7 +79,7 @@ pub(super) fn on_branch(seed: &Pose, root: &Pose, determinant: f64, side: f64) -
     determinant * side >= 0.0 && cos > COS_FAR_TURN
 }
 
-/// Step (m and rad) or residual (m) below which more than six equations are settled.
+/// Step (m and rad) or residual (m) at which more than six equations are settled.
 const SETTLED: f64 = 1e-9;
 
 /// Six closure equations.
@@ -121,9 +121,24 @@ impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> LeastSquaresProble
         residual: &mut DVector<f64>,
         jacobian: &mut DMatrix<f64>,
     ) -> Result<(), EvaluationError> {
-        let (rows, motion) = (self.rows)(self.joints, &self.seed.moved(&x.fixed_rows::<6>(0).into_owned()));
+        let (rows, motion) = self.at(&x.fixed_rows::<6>(0).into_owned());
         residual.copy_from(&rows);
         jacobian.copy_from(&motion);
+        Ok(())
+    }
+}
+
+/// Newton steps that end the search for the pose of more than six equations.
+const NEWTON_STEPS: usize = 20;
+/// Change of the motion, m and rad, for second derivatives.
+const DIFFERENCE: f64 = 1e-5;
+/// A step by less than this, m and rad, is rounding.
+const ROUNDING: f64 = 1e-13;
+
+impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> ManyRows<'_, F> {
+    /// Residual and Jacobian at a motion from the seed.
+    fn at(&mut self, x: &Vector6<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let (residual, mut jacobian) = (self.rows)(self.joints, &self.seed.moved(x));
         // Small turns on top of the rotation vector ω: exp(ω + dω) = exp(J dω) exp(ω).
         let w = Vector3::new(x[3], x[4], x[5]);
         let (angle, cross) = (w.norm(), w.cross_matrix());
@@ -133,18 +148,39 @@ impl<F: FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>)> LeastSquaresProble
             (0.5, 1.0 / 6.0)
         };
         let turns = Matrix3::identity() + cross * b + cross * cross * c;
-        jacobian.columns_mut(3, 3).copy_from(&(motion.columns(3, 3) * turns));
-        Ok(())
+        let turned = jacobian.columns(3, 3) * turns;
+        jacobian.columns_mut(3, 3).copy_from(&turned);
+        (residual, jacobian)
     }
-}
 
-/// A minimum after one more Gauss–Newton step. The minimiser compares costs, which tell steps apart only down to the
-/// square root of rounding; the step itself is exact.
-fn polished(solution: &LeastSquaresSolution) -> DVector<f64> {
-    let step = svd(solution.jacobian.clone(), true, true).solve(&solution.residual, 1e-12);
-    match step {
-        Ok(step) if step.amax() <= SETTLED => &solution.x - step,
-        _ => solution.x.clone(),
+    /// The minimum near `x`. Equations that contradict each other leave a residual `f`, with which Gauss–Newton only creeps;
+    /// with `Σ fᵢ ∇²fᵢ`, from differences of the Jacobian, the steps are Newton's.
+    fn minimum(&mut self, mut x: Vector6<f64>) -> Option<Vector6<f64>> {
+        let mut last = f64::INFINITY;
+        for _ in 0..NEWTON_STEPS {
+            let (f, jacobian) = self.at(&x);
+            let mut bent = Matrix6::zeros();
+            if f.amax() > SETTLED {
+                for k in 0..6 {
+                    let step = Vector6::ith(k, DIFFERENCE);
+                    let change = self.at(&(x + step)).1 - self.at(&(x - step)).1;
+                    bent.set_column(k, &(change.tr_mul(&f) / (2.0 * DIFFERENCE)).fixed_rows::<6>(0));
+                }
+            }
+            let hessian = jacobian.tr_mul(&jacobian).fixed_view::<6, 6>(0, 0) + 0.5 * (bent + bent.transpose());
+            let step = hessian.cholesky()?.solve(&jacobian.tr_mul(&f).fixed_rows::<6>(0).into_owned());
+            let size = step.amax();
+            let grows = size >= last;
+            if !size.is_finite() || grows && size > SETTLED {
+                return None;
+            }
+            x -= step;
+            last = size;
+            if size <= ROUNDING || grows {
+                break;
+            }
+        }
+        (last <= SETTLED).then_some(x)
     }
 }
 
@@ -156,28 +192,27 @@ fn best_pose(
     rows: &mut impl FnMut(&[f64], &Pose) -> (DVector<f64>, DMatrix<f64>),
 ) -> Result<NewtonSolution<Pose>, NewtonError> {
     let mut problem = ManyRows { rows, joints, seed: *seed, equations };
-    let options = LeastSquaresOptions { residual_floor: 3e-16, max_iterations: 200, ..Default::default() };
-    let found = |solution: &LeastSquaresSolution| NewtonSolution {
-        point: seed.moved(&polished(solution).fixed_rows::<6>(0).into_owned()),
-        iterations: solution.history.len() as u64,
-        // With more than six rows there is no sign that tells the sides of a singularity apart.
-        determinant: 0.0,
-    };
-    match least_squares(&mut problem, DVector::zeros(6), LeastSquaresMethod::LevenbergMarquardt, &options) {
-        Ok(solution) => Ok(found(&solution)),
-        // Near the seed a step is never small against the way, and where the equations contradict each other the
-        // iteration only creeps in the end; both are roots by the size of the step or of the residual.
-        Err(SolveError::NoConvergence { cost, step, last, .. }) if step <= SETTLED || cost <= SETTLED * SETTLED => {
-            Ok(found(&last))
+    let options = LeastSquaresOptions { residual_floor: 3e-16, max_iterations: 50, ..Default::default() };
+    let method = LeastSquaresMethod::LevenbergMarquardt;
+    let (near, iterations, left) = match least_squares(&mut problem, DVector::zeros(6), method, &options) {
+        Ok(LeastSquaresSolution { x, history, .. }) => (x, history.len(), (0.0, 0.0)),
+        // The way from here is that of Newton's steps, if it is near.
+        Err(SolveError::NoConvergence { iterations, cost, step, last }) => (last.x, iterations, (cost, step)),
+        Err(SolveError::NotFinite { iterations }) => {
+            return Err(NewtonError::NotFinite { iterations: iterations as u64 });
         }
-        Err(SolveError::NoConvergence { iterations, cost, step, .. }) => Err(NewtonError::NoConvergence {
-            iterations: iterations as u64,
-            residual: (2.0 * cost).sqrt(),
-            step,
+        Err(_) => return Err(NewtonError::Singular { iterations: 0, pivot_ratio: 0.0 }),
+    };
+    let iterations = iterations as u64;
+    match problem.minimum(near.fixed_rows::<6>(0).into_owned()) {
+        // With more than six rows there is no sign that tells the sides of a singularity apart.
+        Some(x) => Ok(NewtonSolution { point: seed.moved(&x), iterations, determinant: 0.0 }),
+        None => Err(NewtonError::NoConvergence {
+            iterations,
+            residual: (2.0 * left.0).sqrt(),
+            step: left.1,
             residuals: Vector6::repeat(f64::NAN),
         }),
-        Err(SolveError::NotFinite { iterations }) => Err(NewtonError::NotFinite { iterations: iterations as u64 }),
-        Err(_) => Err(NewtonError::Singular { iterations: 0, pivot_ratio: 0.0 }),
     }
 }
 

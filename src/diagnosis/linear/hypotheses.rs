@@ -200,7 +200,7 @@ impl<'a> Hypotheses<'a> {
         let task = Task::new(&extended, &data);
         let mut problem = CalibrationProblem::new(&task)?.with_prior(Some(prior));
         problem.scale_noise(point.scale);
-        let start = problem.start();
+        let start = problem.first_guess();
         // The search goes on with linear steps of its own, so that this one may end early.
         let options = LeastSquaresOptions { gradient_tolerance: 1e-4, step_tolerance: 1e-9, ..Default::default() };
         let solution = match least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &options) {

@@ -11,9 +11,8 @@ use nalgebra::{DMatrix, Vector3, Vector6};
 use crate::conditions::Conditions;
 use crate::diagnosis::answer::result::Misread;
 use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
-use crate::diagnosis::preflight::closure_fit::{ClosureFit, Look};
 use crate::diagnosis::preflight::misreadings::{Reading, StatedRows};
-use crate::identification::{Prior, register};
+use crate::identification::{ClosureFit, ClosureRow, Look, Prior, register};
 use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention, rotation_vector};
@@ -136,7 +135,7 @@ impl<'a> Trial<'a> {
         }
         let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
         let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
-        let elsewhere = register(mechanism, data).is_ok_and(|found| found.applied);
+        let elsewhere = register(mechanism, data).applied;
         let weights = Vector6::new(p, p, p, r, r, r);
         let fit = ClosureFit::new(mechanism, prior, weights);
         Some(Self { mechanism, data, table, home, fit, weights, elsewhere })
@@ -202,8 +201,12 @@ impl<'a> Trial<'a> {
         if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
             return None;
         }
+        let at = Conditions::unknown();
+        let rows_read: Vec<ClosureRow<'_>> =
+            read.iter().map(|(joints, pose)| ClosureRow { joints, pose: *pose, at: &at }).collect();
+        let closure_misfit = |frames: &Frames| self.fit.fit(&rows_read, frames, look).map(|fitted| fitted.misfit);
         if !find_frames {
-            return self.fit.misfit(&read, &Frames::default(), look);
+            return closure_misfit(&Frames::default());
         }
         let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
         let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
@@ -211,7 +214,7 @@ impl<'a> Trial<'a> {
         let noise = self.data.noise;
         let model: std::sync::Arc<dyn MeasurementModel> =
             std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
-        let found = register(self.mechanism, &Dataset::new(samples, model, noise)).ok()?;
-        self.fit.misfit(&read, &found.frames, look)
+        let found = register(self.mechanism, &Dataset::new(samples, model, noise));
+        closure_misfit(&found.frames)
     }
 }

@@ -2,6 +2,5 @@
 //! no cause is looked for in a misread file.
 
 pub(crate) mod assignment;
-pub(crate) mod closure_fit;
 pub(crate) mod compare;
 pub(crate) mod misreadings;

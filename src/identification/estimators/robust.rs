@@ -117,7 +117,7 @@ impl Identifier for Robust {
             Loss::Tukey => &[Loss::Huber, Loss::Tukey],
         };
         // The loss, unlike a sum of squares, may have other minima: every run begins at the start.
-        problem.begin_at(problem.start());
+        problem.begin_at(problem.first_guess());
         let (mut scale, mut weights) = (1.0, first_weights(problem)?);
         for loss in losses {
             for _ in 0..MAX_ROUNDS {
@@ -246,7 +246,7 @@ fn median_scale(distances: &[Distance]) -> f64 {
 /// Weights for the first fit: none for samples whose misfit against the mechanism as it is given stands out of all
 /// the others', so that errors larger than those of the mechanism never enter.
 fn first_weights(problem: &CalibrationProblem<'_>) -> Result<Vec<f64>, IdentifyError> {
-    let (residual, _) = problem.data_at(&problem.start())?;
+    let (residual, _) = problem.data_at(&problem.first_guess())?;
     let lengths: Vec<f64> =
         problem.sample_rows().into_iter().map(|(first, n)| residual.rows(first, n).norm()).collect();
     let mut sorted = lengths.clone();

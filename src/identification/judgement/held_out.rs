@@ -1,19 +1,24 @@
 //! Errors on rows that were not fitted.
 
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 use crate::identification::error::IdentifyError;
 use crate::identification::estimators::fit::Fit;
+use crate::identification::estimators::identification::Identification;
 use crate::identification::estimators::identifiers::Identifier;
-use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, errors_at};
+use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, errors_at, evaluate};
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::start::sample_error;
-use crate::measurement::Dataset;
-use crate::mechanism::ForwardQuery;
+use crate::identification::task::Task;
+use crate::measurement::{Dataset, Frames};
+use crate::mechanism::{ForwardQuery, Mechanism};
 use crate::pose::Pose;
+use crate::solve::Triangle;
 
 /// Which rows are held out.
 #[derive(Clone, Debug)]
@@ -36,6 +41,51 @@ pub struct HeldOut {
     pub rms: ErrorSummary,
     /// Samples that were predicted.
     pub samples: usize,
+    /// Probability of errors at least this large by the noise and the uncertainty of the model; `None` where nothing tells.
+    pub p_value: Option<f64>,
+}
+
+/// Predicts other data with what was found.
+///
+/// # Errors
+/// [`IdentifyError::HeldOut`] if they cannot be used.
+pub(crate) fn held_out_data(
+    found: &Identification,
+    mechanism: &dyn Mechanism,
+    frames: &Frames,
+    other: &Dataset,
+) -> Result<HeldOut, IdentifyError> {
+    let wrong = |cause| IdentifyError::HeldOut(Box::new(cause));
+    let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
+    let other = other.with_frames(*frames);
+    let errors = evaluate(aligned.as_ref(), &found.own_values(), &other).map_err(wrong)?;
+    let p_value = surprise(found, aligned.as_ref(), &other).map_err(wrong)?;
+    Ok(HeldOut { rms: errors.rms(), samples: errors.samples.len(), p_value })
+}
+
+/// Whether noise and the covariance `F Fᵀ` of what was found explain the errors `r` on other data: `min |r + J F u|² + |u|²`
+/// over `u` is χ² with as many degrees of freedom as there are rows.
+fn surprise(found: &Identification, aligned: &dyn Mechanism, other: &Dataset) -> Result<Option<f64>, IdentifyError> {
+    let own = found.own_values();
+    if other.model().nuisance_parameters().len() != own.len() || found.parameters.iter().any(|p| p.sigma.is_none()) {
+        return Ok(None);
+    }
+    let problem = CalibrationProblem::new(&Task::new(aligned, other))?;
+    let values: Vec<f64> = found.parameters.iter().map(|p| p.value).collect();
+    let (mut r, mut j) = problem.data_at(&DVector::from_vec(values))?;
+    r /= found.noise_scale;
+    j /= found.noise_scale;
+    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(found.covariance.clone());
+    let factor = eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|v| v.max(0.0).sqrt()));
+    let n = factor.ncols();
+    let mut all = Triangle::of(&DMatrix::identity(n, n), &DVector::zeros(n));
+    all.add(&(j * factor), &r, 0..r.len(), 1.0);
+    let (cost, _) = all.misfit();
+    let (rows, free) = (r.len() as f64, found.misfit.degrees_of_freedom as f64);
+    Ok(match found.misfit.noise_known {
+        true => ChiSquared::new(rows).ok().map(|chi| chi.sf(cost)),
+        false => FisherSnedecor::new(rows, free).ok().map(|f| f.sf(cost / rows)),
+    })
 }
 
 /// Estimates without the held-out samples, each time from the fit of all of them, and predicts them. `None` if there are too
@@ -60,7 +110,7 @@ pub(crate) fn held_out(
         let mut found = identifier.estimate(&mut rest);
         if matches!(found, Err(IdentifyError::NotConverged { .. } | IdentifyError::Solve(_))) {
             // Along a direction that the rest hardly decides the fit of all samples may be a worse start than the drawing.
-            rest.begin_at(rest.start());
+            rest.begin_at(rest.first_guess());
             found = identifier.estimate(&mut rest);
         }
         let found = found?.values;
@@ -72,7 +122,7 @@ pub(crate) fn held_out(
     match parts {
         Ok(parts) => {
             let all = ModelErrors { samples: parts.into_iter().flat_map(|p| p.samples).collect() };
-            Ok(Some(HeldOut { rms: all.rms(), samples: all.samples.len() }))
+            Ok(Some(HeldOut { rms: all.rms(), samples: all.samples.len(), p_value: None }))
         }
         Err(
             IdentifyError::TooFewRows { .. }

@@ -2,6 +2,8 @@
 
 use crate::identification::estimators::identification::Identification;
 use crate::identification::judgement::drawing::{DrawingTest, widened_in_words};
+use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
+use crate::identification::judgement::held_out::HeldOut;
 use crate::identification::judgement::model_errors::ErrorSummary;
 use crate::identification::problem::prior::PriorPolicy;
 use crate::measurement::{DataRow, Dataset};
@@ -30,7 +32,15 @@ impl CalibrationVerdict {
 }
 
 /// A misfit this unlikely is not chance.
-const MISFIT: f64 = 1e-6;
+pub(crate) const MISFIT: f64 = 1e-6;
+/// Part of the samples that may be gross errors.
+const MOST_GROSS: f64 = 0.3;
+/// A sample with less weight than this has none.
+const NO_WEIGHT: f64 = 1e-2;
+/// Without a stated noise: errors of rows that were not fitted, over what those of the fitted ones lead one to expect.
+const FAR: f64 = 3.0;
+/// Errors up to this, m and rad, are those of arithmetic.
+const ROUNDING: f64 = 1e-9;
 
 /// What the identification itself says.
 pub(crate) fn judge(
@@ -59,7 +69,22 @@ pub(crate) fn judge(
             show_probability(p)
         ));
     }
+    let ignored = found.weights.iter().filter(|w| **w < NO_WEIGHT).count().max(found.outliers.len());
+    if ignored as f64 > MOST_GROSS * data.len() as f64 {
+        reasons.push(format!(
+            "{ignored} of {} samples got no weight; so many are not gross errors, but something that the model misses",
+            data.len()
+        ));
+    }
     let mut warnings = Vec::new();
+    if let Some(p) = found.misfit.p_value().filter(|p| *p > 1.0 - MISFIT) {
+        let scale = found.misfit.scale().unwrap_or(f64::NAN);
+        warnings.push(format!(
+            "the residuals are only {scale:.3} times the stated noise, which is too good to be chance (p of less {}): rows that \
+             are copies, commanded values in the place of measured ones, or a noise that is overstated",
+            show_probability(1.0 - p)
+        ));
+    }
     if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
         reasons.push(
             "the readings do not outnumber the parameters and no noise is stated, so no uncertainty can be given; state \
@@ -137,6 +162,56 @@ pub(crate) fn judge_prediction(
             show_angle(predicted.rotation_rms),
             show_length(drawing.position_rms),
             show_angle(drawing.rotation_rms),
+        ));
+    }
+}
+
+/// What the commands say: where nothing was commanded, what moved is no noise.
+pub(crate) fn judge_commands(verdict: &mut CalibrationVerdict, data: &Dataset) {
+    let still = data.len() > 1 && data.iter().all(|s| s.joints == data.sample(0).joints);
+    if still && !data.noise.known {
+        verdict.distrust(
+            "the joints are the same in all data rows, and no noise is stated: nothing tells the noise from what moved the \
+             platform; check the columns of the joints, or state [noise]"
+                .into(),
+        );
+    }
+}
+
+/// What the errors on samples that were not fitted say, against those on the `fitted` ones with so many `rows`.
+pub(crate) fn judge_held_out(
+    verdict: &mut CalibrationVerdict,
+    held_out: &HeldOut,
+    fitted: &ErrorSummary,
+    misfit: &GoodnessOfFit,
+    rows: usize,
+) {
+    let shown = |e: &ErrorSummary| {
+        let both = [e.position.map(show_length), e.rotation.map(show_angle)];
+        both.into_iter().flatten().collect::<Vec<_>>().join(" and ")
+    };
+    if let Some(p) = held_out.p_value.filter(|p| *p < MISFIT) {
+        verdict.distrust(format!(
+            "the errors on the rows that were held out, {}, are larger than noise and model allow (p {}); something changed \
+             between the two files, or the model misses something",
+            shown(&held_out.rms),
+            show_probability(p)
+        ));
+    }
+    if misfit.noise_known {
+        return;
+    }
+    // Least squares leaves the part `free / rows` of the square of the noise, and rows that are not fitted get its inverse.
+    let (rows, free) = (rows as f64, misfit.degrees_of_freedom as f64);
+    let far = |held: Option<f64>, fitted: Option<f64>| {
+        held.zip(fitted).is_some_and(|(held, fitted)| held > ROUNDING && held * free > FAR * fitted * rows)
+    };
+    if far(held_out.rms.position, fitted.position) || far(held_out.rms.rotation, fitted.rotation) {
+        verdict.distrust(format!(
+            "the errors on rows that were not fitted, {}, are far larger than on those that were, {}: the parameters follow \
+             the noise; measure more poses, or state [noise] and a [tolerance]",
+            shown(&held_out.rms),
+            shown(fitted)
         ));
     }
 }

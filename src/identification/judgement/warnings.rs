@@ -18,6 +18,14 @@ pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
     if result.registration.applied {
         warnings.push(IN_ANOTHER_FRAME.into());
     }
+    if result.not_reached > 0 {
+        warnings.push(format!(
+            "the mechanism as it is given does not reach {} of the {} data rows, so that there is no error before the \
+             calibration",
+            result.not_reached,
+            data.len()
+        ));
+    }
     let implausible = &result.plausibility.implausible;
     let in_tolerances = |p: &Implausible| p.deviation.abs() / p.tolerance;
     if let Some(worst) = implausible.iter().max_by(|a, b| in_tolerances(a).total_cmp(&in_tolerances(b))) {

@@ -10,7 +10,7 @@ use crate::identification::problem::prepared::{Preparation, Prepared};
 use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::redundancy::Redundancy;
 use crate::identification::problem::spectrum::ScaledRows;
-use crate::identification::problem::start::{or_from_readings, own_start, poses_from_home};
+use crate::identification::problem::start::{self, own_start, poses_from_home};
 use crate::identification::task::{Task, Weights};
 use crate::measurement::{Dataset, RowKind, Rows};
 use crate::mechanism::{Mechanism, MotionBlock, ParameterSpec};
@@ -40,6 +40,8 @@ pub struct CalibrationProblem<'a> {
     /// The parameters of the mechanism that these poses belong to.
     pub(super) solved_at: Option<Vec<f64>>,
     pub(super) start: DVector<f64>,
+    /// The start or, where that does not reach all samples, values near it that do.
+    pub(super) first: DVector<f64>,
     pub(super) guess: DVector<f64>,
     /// What the data say at the start, once it was asked for.
     pub(super) at_start: Option<ScaledRows>,
@@ -67,14 +69,16 @@ impl<'a> CalibrationProblem<'a> {
         if data.is_empty() {
             return Err(IdentifyError::Empty);
         }
-        let poses = or_from_readings(from_home, mechanism, data)?;
+        let start::Start { poses, guess } = start::start(from_home, mechanism, data, task.conventions)?;
         let expected = data.model().nuisance_parameters().len();
         let own = if expected > 0 { own_start(data, &poses) } else { Vec::new() };
         if own.len() != expected || own.iter().any(|v| !v.is_finite()) {
             return Err(IdentifyError::Start { expected, found: own.len() });
         }
         let c = mechanism.values();
-        let start = DVector::from_iterator(c.len() + expected, c.iter().chain(&own).copied());
+        let from = |c: &[f64]| DVector::from_iterator(c.len() + expected, c.iter().chain(&own).copied());
+        let start = from(c);
+        let first = guess.as_deref().map_or_else(|| start.clone(), from);
         let mut redundancy = Redundancy::of(mechanism, data.noise.joint);
         let (own, weights) = (own.as_slice(), task.weights);
         let samples = Preparation { mechanism, data, own, weights, redundancy: redundancy.as_mut() }.samples(&poses)?;
@@ -93,7 +97,8 @@ impl<'a> CalibrationProblem<'a> {
             redundancy,
             poses,
             solved_at: Some(c.to_vec()),
-            guess: start.clone(),
+            guess: first.clone(),
+            first,
             start,
             at_start: None,
             block: MotionBlock::sized_for(mechanism),
@@ -118,6 +123,7 @@ impl<'a> CalibrationProblem<'a> {
             poses: positions.iter().map(|k| self.poses[*k]).collect(),
             solved_at: self.solved_at.clone(),
             start: self.start.clone(),
+            first: self.first.clone(),
             guess: guess.clone(),
             at_start: None,
             block: self.block.clone(),
@@ -161,6 +167,21 @@ impl<'a> CalibrationProblem<'a> {
     /// Where an iteration had best begin: at the start, or near a minimum that is known.
     pub fn guess(&self) -> DVector<f64> {
         self.guess.clone()
+    }
+
+    /// Where an iteration begins of which nothing is known: at the start or, if the mechanism as it is given does not reach all
+    /// samples, at values near it that do.
+    pub fn first_guess(&self) -> DVector<f64> {
+        self.first.clone()
+    }
+
+    /// Begins anew where the closure fits the measured poses best, from where an iteration has a shorter way than from the
+    /// mechanism as it is given. False if the readings give too few poses.
+    pub(crate) fn begin_at_closure(&mut self) -> bool {
+        let Some(c) = start::closure_start(self.mechanism, &self.data, self.belief.conventions) else { return false };
+        self.first.rows_mut(0, c.len()).copy_from(&DVector::from_vec(c));
+        self.guess.clone_from(&self.first);
+        true
     }
 
     /// Lets the next iteration begin here.
@@ -285,6 +306,7 @@ impl<'a> CalibrationProblem<'a> {
         let mut plain = Self::from_poses(mechanism, &task, self.prepared().map(|s| Ok(s.pose)).collect())?;
         plain.belief.clone_from(&self.belief);
         plain.start.clone_from(&self.start);
+        plain.first.clone_from(&self.first);
         plain.poses.clone_from(&self.poses);
         plain.solved_at.clone_from(&self.solved_at);
         Ok(plain)

@@ -4,6 +4,7 @@
 pub(crate) mod belief;
 pub(crate) mod calibration_problem;
 mod choice;
+pub(crate) mod closure_fit;
 pub(crate) mod prepared;
 pub(crate) mod prior;
 pub(crate) mod redundancy;

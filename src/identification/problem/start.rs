@@ -1,6 +1,11 @@
 //! Where an identification starts: the poses of the samples for the mechanism as it is given.
 
+use nalgebra::Vector6;
+
 use crate::identification::error::IdentifyError;
+use crate::identification::problem::belief::Conventions;
+use crate::identification::problem::closure_fit::{ClosureFit, ClosureRow, Look};
+use crate::identification::problem::prior::Prior;
 use crate::measurement::Dataset;
 use crate::mechanism::{ForwardQuery, KinematicsError, Mechanism};
 use crate::pose::Pose;
@@ -14,20 +19,78 @@ pub(crate) fn poses_from_home(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<
     mechanism.forward_batch(mechanism.values(), &queries).into_iter().enumerate().map(named).collect()
 }
 
-/// Poses from home or, where there is none, from the reading in the frames of the data.
-pub(crate) fn or_from_readings(
+/// Where an identification begins.
+pub(crate) struct Start {
+    /// Pose of each sample for the mechanism as it is given; the measured one where it does not reach the sample.
+    pub(crate) poses: Vec<Pose>,
+    /// Parameters of the mechanism that reach all samples, where those as given do not.
+    pub(crate) guess: Option<Vec<f64>>,
+}
+
+/// Fewest measured poses that say anything of a mechanism that does not reach a sample.
+const FEWEST: usize = 3;
+/// How far the parameters may be from the drawing for a start, in tolerances.
+const TOLERANCES: f64 = 10.0;
+
+/// Where an identification begins: with the mechanism as given if it reaches all samples, from home or from the reading, and
+/// otherwise where the closure fits the measured poses best.
+///
+/// # Errors
+/// [`IdentifyError::Sample`] of the first sample that is not reached either way.
+pub(crate) fn start(
     from_home: Vec<Result<Pose, IdentifyError>>,
     mechanism: &dyn Mechanism,
     data: &Dataset,
-) -> Result<Vec<Pose>, IdentifyError> {
-    let solve = |(k, pose): (usize, Result<Pose, IdentifyError>)| {
+    conventions: Conventions,
+) -> Result<Start, IdentifyError> {
+    let forward = |k: usize, c: &[f64], seed: &Pose| {
+        let sample = data.sample(k);
+        mechanism.forward(c, &sample.joints, &sample.conditions, seed)
+    };
+    let seed = |k: usize| seed_from_reading(data, k);
+    let solved: Vec<Result<Pose, IdentifyError>> = from_home
+        .into_iter()
+        .enumerate()
+        .map(|(k, pose)| {
+            let values = mechanism.values();
+            pose.or_else(|error| forward(k, values, &seed(k).ok_or_else(|| error.clone())?).map_err(|_| error))
+        })
+        .collect();
+    if solved.iter().all(Result::is_ok) {
+        return Ok(Start { poses: solved.into_iter().collect::<Result<_, _>>()?, guess: None });
+    }
+    let guess = closure_start(mechanism, data, conventions);
+    let reached = |(k, pose): (usize, Result<Pose, IdentifyError>)| {
         pose.or_else(|error| {
-            let (sample, (model, index)) = (data.sample(k), data.reading(k));
-            let seed = model.rigid_pose(index).map(|p| data.frames.platform(&p)).ok_or_else(|| error.clone())?;
-            mechanism.forward(mechanism.values(), &sample.joints, &sample.conditions, &seed).map_err(|_| error)
+            let (Some(values), Some(seed)) = (&guess, seed(k)) else { return Err(error) };
+            forward(k, values, &seed).map(|_| seed).map_err(|_| error)
         })
     };
-    from_home.into_iter().enumerate().map(solve).collect()
+    let poses = solved.into_iter().enumerate().map(reached).collect::<Result<_, _>>()?;
+    Ok(Start { poses, guess })
+}
+
+/// The pose of the platform as the reading has it, in the frames of the data.
+fn seed_from_reading(data: &Dataset, k: usize) -> Option<Pose> {
+    let (model, index) = data.reading(k);
+    model.rigid_pose(index).map(|p| data.frames.platform(&p))
+}
+
+/// The parameters for which the closure fits the measured poses best.
+pub(crate) fn closure_start(mechanism: &dyn Mechanism, data: &Dataset, conventions: Conventions) -> Option<Vec<f64>> {
+    let read = |k: usize| {
+        let (model, index) = data.reading(k);
+        let sample = data.sample(k);
+        Some(ClosureRow { joints: &sample.joints, pose: model.rigid_pose(index)?, at: &sample.conditions })
+    };
+    let rows: Vec<ClosureRow<'_>> = (0..data.len()).filter_map(read).collect();
+    if rows.len() < FEWEST {
+        return None;
+    }
+    let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
+    let prior = Prior::wide(mechanism, TOLERANCES, conventions);
+    let fit = ClosureFit::new(mechanism, &prior, Vector6::new(p, p, p, r, r, r));
+    fit.fit(&rows, &data.frames, Look::Start).map(|fitted| fitted.values)
 }
 
 /// Start values of the measurement's own parameters, for the poses of the samples of `data`.

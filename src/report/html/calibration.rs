@@ -19,9 +19,9 @@ pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'
     let found = &c.identification;
     let harmless = c.verdict.warnings.iter().all(|text| tells_of_frames(text));
     let (verdict, tone) = match (c.verdict.trusted, harmless) {
-        (true, true) => ("The result can be trusted", Tone::Good),
-        (true, false) => ("The result can be trusted, with warnings", Tone::Mind),
-        (false, _) => ("The result must not be trusted", Tone::Bad),
+        (true, true) => (text::trusted(c), Tone::Good),
+        (true, false) => (format!("With warnings. {}", text::trusted(c)), Tone::Mind),
+        (false, _) => ("The result must not be trusted".to_owned(), Tone::Bad),
     };
     let residuals = measured.models.first().map(ModelResiduals::in_joints).unwrap_or_default();
     let mut marked = gross(&residuals);
@@ -144,16 +144,17 @@ impl Errors {
         let (fitted, others) =
             ("RMS on the fitted rows, noise included", "RMS on rows that were not fitted, noise included");
         let Self { before, after, held_out } = self;
+        let predicted = c.predicted.as_ref().filter(|_| c.verdict.trusted);
         let rows: Vec<String> = marked.iter().map(DataRow::to_string).collect();
         let numbers = [
             Tile::of("position error, as given", before.position.map(show_length), given),
             Tile::of("position error, calibrated", after.position.map(show_length), fitted),
             Tile::of("position error, held-out rows", held_out.position.map(show_length), others),
-            Tile::of("position error, predicted", c.predicted.map(|p| show_length(p.position_rms)), expected),
+            Tile::of("position error, predicted", predicted.map(|p| show_length(p.position_rms)), expected),
             Tile::of("angle error, as given", before.rotation.map(show_angle), given),
             Tile::of("angle error, calibrated", after.rotation.map(show_angle), fitted),
             Tile::of("angle error, held-out rows", held_out.rotation.map(show_angle), others),
-            Tile::of("angle error, predicted", c.predicted.map(|p| show_angle(p.rotation_rms)), expected),
+            Tile::of("angle error, predicted", predicted.map(|p| show_angle(p.rotation_rms)), expected),
             Tile::of(
                 "rows that look like gross errors, excluded from these numbers",
                 (!rows.is_empty()).then(|| shortened(&rows)),

@@ -55,9 +55,11 @@ pub fn calibration(c: &Calibration, residuals: &[Deviation]) -> Value {
         "parameters": c.parameters.iter().zip(&found.parameters).take(n).map(estimate).collect::<Vec<_>>(),
         "measurement_parameters": c.parameters.iter().zip(&found.parameters).skip(n).map(estimate).collect::<Vec<_>>(),
         "correlations": correlations,
-        "rms_before": errors(&c.before),
+        "rms_before": (c.not_reached == 0).then(|| errors(&c.before)),
+        "rows_not_reached": c.not_reached,
         "rms_after": errors(&c.after),
         "held_out": c.held_out.as_ref().map(|h| errors(&h.rms)),
+        "held_out_p": c.held_out.as_ref().and_then(|h| h.p_value).map(real),
         "held_out_rows": c.held_out.as_ref().map(|h| h.samples),
         "predicted": c.predicted.as_ref().map(predicted),
         "trusted_to": c.predicted.as_ref().filter(|_| c.verdict.trusted).map(|p| json!({

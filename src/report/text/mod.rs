@@ -151,7 +151,7 @@ pub fn calibration(c: &Calibration) -> String {
         let gross = if found.outliers.is_empty() { "" } else { ", including gross errors" };
         rows.push(errors_row(&format!("held out ({} rows{gross})", h.samples), &h.rms));
     }
-    if let Some(p) = &c.predicted {
+    if let Some(p) = c.predicted.as_ref().filter(|_| c.verdict.trusted) {
         let e = ErrorSummary { position: Some(p.position_rms), rotation: Some(p.rotation_rms) };
         rows.push(errors_row(
             if c.workspace.is_some() { "model error, workspace" } else { "model error, these poses" },
@@ -192,12 +192,19 @@ pub fn calibration(c: &Calibration) -> String {
         text += &format!("and {} more implausible parameters (--json lists all)\n", implausible.len() - SHOWN);
     }
     text += &match c.verdict.trusted {
-        true => "\nThe result can be trusted.\n".to_owned(),
+        true => format!("\n{}.\n", trusted(c)),
         false => {
             format!("\nDo not trust this result: {}.\nTo find out why, {WHAT_IS_WRONG}\n", c.verdict.reasons.join("; "))
         }
     };
     text + &result_line(c)
+}
+
+/// That a result can be trusted, and to how much.
+pub(in crate::report) fn trusted(c: &Calibration) -> String {
+    let over = if c.workspace.is_some() { "over the workspace" } else { "at the measured poses" };
+    let Some(p) = &c.predicted else { return "Trusted".into() };
+    format!("Trusted: poses to {} and {} (1 sigma {over})", show_length(p.position_rms), show_angle(p.rotation_rms))
 }
 
 fn weak_directions(c: &Calibration) -> String {
@@ -217,7 +224,7 @@ fn weak_directions(c: &Calibration) -> String {
     }
     if !c.identification.prior {
         text += "No prior was used: along these directions the values are as uncertain as their sigma says.\n";
-    } else if let Some(p) = &c.predicted {
+    } else if let Some(p) = c.predicted.as_ref().filter(|_| c.verdict.trusted) {
         text += "Values along these directions come from the tolerances; poses inside the workspace are still\n";
         text += &format!("predicted to {} and {}.\n", show_length(p.position_rms), show_angle(p.rotation_rms));
     }

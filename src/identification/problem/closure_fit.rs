@@ -1,15 +1,17 @@
-//! Parameters fitted to the closure at measured poses: what a reading of the file leaves.
+//! Parameters fitted to the closure at measured poses. No forward kinematics is needed, so that the mechanism need not reach
+//! the poses beforehand: it is where an identification starts if it does not, and tells what a reading of a file leaves.
 //!
 //! At a measured pose `x` the closure `f(c, q, x)` leaves a residual, and `J₁⁻¹ f` is the motion by which the pose would have
 //! to move; its columns are `J₁⁻¹ ∂f/∂c`. With `W` one over the noise, `B = W J₁⁻¹`, and `P = ∂f/∂c`, which has one entry in
-//! a column where a parameter is that of a leg, the normal equations sum `Pᵀ (Bᵀ B) P`. The first look, which tries forty
-//! readings, sums entry by entry of `P`. The second look, whose misfits are reported, multiplies the written-out columns
+//! a column where a parameter is that of a leg, the normal equations sum `Pᵀ (Bᵀ B) P`. More than six equations are turned
+//! into the six that move the pose. The first look, which tries forty
+//! readings of a file, sums entry by entry of `P`. The others, whose results are used, multiply the written-out columns
 //! `B P`: a wrong reading leaves a fit so badly posed that the order of the sums changes its misfit in the second digit.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix6, Vector6};
 
 use crate::conditions::Conditions;
-use crate::identification::Prior;
+use crate::identification::problem::prior::Prior;
 use crate::measurement::Frames;
 use crate::mechanism::{Linearization, Mechanism};
 use crate::pose::Pose;
@@ -24,6 +26,8 @@ pub(crate) enum Look {
     First,
     /// At all rows.
     Second,
+    /// At all rows, until the parameters are good enough to go on from.
+    Start,
 }
 
 impl Look {
@@ -32,8 +36,25 @@ impl Look {
         match self {
             Self::First => 2,
             Self::Second => 5,
+            Self::Start => 10,
         }
     }
+}
+
+/// A row of joints and the pose that was measured with them.
+pub(crate) struct ClosureRow<'a> {
+    pub(crate) joints: &'a [f64],
+    /// Tracker's frame.
+    pub(crate) pose: Pose,
+    pub(crate) at: &'a Conditions,
+}
+
+/// What a fit leaves.
+pub(crate) struct ClosureFitted {
+    /// The parameters.
+    pub(crate) values: Vec<f64>,
+    /// Median length of the whitened misfit of a row.
+    pub(crate) misfit: f64,
 }
 
 /// Fits of the parameters of a mechanism.
@@ -131,9 +152,8 @@ impl<'a> ClosureFit<'a> {
         Self { mechanism, precision, gradient, weights }
     }
 
-    /// Median length of the whitened misfit of rows of joints and poses after the fit; `None` without a number for most of
-    /// them.
-    pub(crate) fn misfit(&self, read: &[(Vec<f64>, Pose)], frames: &Frames, look: Look) -> Option<f64> {
+    /// Parameters that fit rows best, with their misfit; `None` if most rows have no number.
+    pub(crate) fn fit(&self, read: &[ClosureRow<'_>], frames: &Frames, look: Look) -> Option<ClosureFitted> {
         let steps = look.steps();
         let nominal = self.mechanism.values();
         let n = nominal.len();
@@ -141,18 +161,18 @@ impl<'a> ClosureFit<'a> {
         let mut work = Linearization::sized_for(self.mechanism);
         let mut rows = Rows::default();
         for step in 0..=steps {
-            self.linearize(read, frames, &c, step < steps, &mut work, &mut rows)?;
+            self.linearize(read, frames, &c, step < steps, &mut work, &mut rows);
             let lengths: Vec<f64> = rows.residuals.iter().map(Vector6::norm).collect();
             let usual = median(&lengths)?;
             if step == steps {
                 // An exact file leaves rounding; far below the noise there is nothing to compare.
-                return Some(usual.max(1e-3));
+                return Some(ClosureFitted { values: c, misfit: usual.max(1e-3) });
             }
             let weight = |length: &f64| if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
             let weights: Vec<f64> = lengths.iter().map(weight).collect();
             let (mut normal, moment) = match look {
                 Look::First => rows.summed(n, &weights),
-                Look::Second => rows.written_out(n, &weights),
+                Look::Second | Look::Start => rows.written_out(n, &weights),
             };
             normal += &self.precision;
             for k in 0..n {
@@ -169,18 +189,18 @@ impl<'a> ClosureFit<'a> {
     /// The rows at parameters `c`, with or without their columns.
     fn linearize(
         &self,
-        read: &[(Vec<f64>, Pose)],
+        read: &[ClosureRow<'_>],
         frames: &Frames,
         c: &[f64],
         columns: bool,
         work: &mut Linearization,
         rows: &mut Rows,
-    ) -> Option<()> {
+    ) {
         rows.clear();
-        for (joints, pose) in read {
-            self.mechanism.linearize(c, joints, &frames.platform(pose), &Conditions::unknown(), work);
-            if work.residual.len() != 6 {
-                return None;
+        for row in read {
+            self.mechanism.linearize(c, row.joints, &frames.platform(&row.pose), row.at, work);
+            if work.residual.len() > 6 {
+                six_of(work);
             }
             // The motion by which the measured pose would have to move, and its columns.
             let inverse = work.motion.fixed_view::<6, 6>(0, 0).into_owned().try_inverse();
@@ -199,8 +219,19 @@ impl<'a> ClosureFit<'a> {
             }
             rows.ends.push(rows.entries.len());
         }
-        Some(())
     }
+}
+
+/// Of more than six equations the six combinations that move the pose, `Qᵀ f` with `J₁ = Q R`, in the place of the first.
+fn six_of(work: &mut Linearization) {
+    let qr = work.motion.clone().qr();
+    work.motion.rows_mut(0, 6).copy_from(&qr.r());
+    let q = qr.q();
+    let residual = q.tr_mul(&work.residual);
+    work.residual.rows_mut(0, 6).copy_from(&residual);
+    let parameters = q.tr_mul(&work.parameters);
+    work.parameters.rows_mut(0, 6).copy_from(&parameters);
+    work.parameters.rows_mut(6, work.motion.nrows() - 6).fill(0.0);
 }
 
 /// The median of what is finite, if that is most of it.
