@@ -59,7 +59,7 @@ fn zeros_are_elsewhere(mechanism: &dyn Mechanism, data: &Dataset) -> bool {
         CalibrationProblem::new(&task).and_then(|mut problem| LevenbergMarquardt::default().estimate(&mut problem));
     found.is_ok_and(|fit| {
         let values = &fit.values.as_slice()[..mechanism.parameters().len()];
-        Conventions::contradicted(mechanism, values, TOLERANCES).zeros
+        Conventions::contradicted(mechanism, mechanism.values(), values, TOLERANCES).zeros
     })
 }
 

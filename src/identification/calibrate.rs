@@ -12,6 +12,7 @@ use crate::identification::estimators::identifiers::Identifier;
 use crate::identification::judgement::drawing::{DrawingTest, widened};
 use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{Holdout, held_out, held_out_data};
+use crate::identification::judgement::kinds::noise_of_kinds;
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
 use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target, visible_directions};
 use crate::identification::judgement::verdict::{
@@ -25,8 +26,8 @@ use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::start::poses_from_home;
 use crate::identification::registration::{Registration, register, register_poses};
 use crate::identification::task::Task;
-use crate::measurement::{Dataset, Frames, TargetFrame};
-use crate::mechanism::{Mechanism, Workspace};
+use crate::measurement::{Dataset, Frames, RowKind, TargetFrame};
+use crate::mechanism::{Mechanism, Workspace, characteristic_length};
 use crate::observability::PredictedError;
 use crate::pose::{Pose, PoseConvention};
 
@@ -48,8 +49,18 @@ pub fn calibrate(
     options: &CalibrationOptions,
 ) -> Result<Calibration, IdentifyError> {
     let nominal = poses_from_home(mechanism, data);
-    let Solved { registration, mut problem, fit, converged } =
-        identified(mechanism, data, &nominal, options, identifier)?;
+    let mut solved = identified(mechanism, data, &nominal, options, identifier)?;
+    // Without a stated noise the first fit tells how positions and angles compare.
+    let rescaled;
+    let data = match noise_of_kinds(&solved.problem, &solved.fit)? {
+        Some(scales) => {
+            rescaled = data.with_noise_of_kinds(scales);
+            solved = identified(mechanism, &rescaled, &nominal, options, identifier)?;
+            &rescaled
+        }
+        None => data,
+    };
+    let Solved { registration, mut problem, fit, converged } = solved;
     let frames = registration.frames;
     let found = Identification::of(&mut problem, &fit)?;
     let Carried { mechanism: calibrated, parameters, covariance, plausibility } = carried(mechanism, &found, &frames)?;
@@ -61,7 +72,7 @@ pub fn calibrate(
     let tolerance_factors = problem.belief().factors;
     let rows = problem.at_start()?;
     let wider: Vec<f64> = mechanism.parameters().iter().map(|s| tolerance_factors[group_of(s.role)]).collect();
-    let seen = found.prior.then(|| rows.seen(found.noise_scale, &wider));
+    let rank = found.prior.then(|| rows.rank());
     let weak = if rows.without_weakness(found.noise_scale) {
         Vec::new()
     } else {
@@ -71,8 +82,8 @@ pub fn calibrate(
     let mut verdict = judge(mechanism, data, &found, converged);
     judge_drawing(&mut verdict, drawing.as_ref(), tolerance_factors, options.prior);
     let (poses, convention) = poses_to_predict(&found, workspace, options);
-    if let Some(seen) = seen.filter(|seen| 2 * seen < found.mechanism_parameters) {
-        judge_poses(&mut verdict, seen, visible_directions(mechanism, &wider, &poses, &convention));
+    if let Some(rank) = rank.filter(|rank| 2 * rank < found.mechanism_parameters) {
+        judge_poses(&mut verdict, rank, visible_directions(mechanism, &wider, &poses, &convention));
     }
     // An absurd model, from data that were misread, may not lead from its own home to its own samples.
     let after = evaluate(calibrated.as_ref(), &own, data).map_or_else(
@@ -88,8 +99,11 @@ pub fn calibrate(
     // What is to be learned beyond placing the machine.
     let of_drawing = without_conventions(mechanism, tolerance_factors)
         .and_then(|covariance| predicted_errors(mechanism, &covariance, &poses, &convention));
-    if let (Some(predicted), Some(of_drawing)) = (&predicted, &of_drawing) {
-        judge_prediction(&mut verdict, predicted, of_drawing, &after);
+    if let Some(predicted) = &predicted {
+        let mut measured = after;
+        // Two angles of three leave the attitude open.
+        measured.rotation = after.rotation.filter(|_| (0..data.len()).any(|k| angles(data, k) >= 3));
+        judge_prediction(&mut verdict, predicted, of_drawing.as_ref(), &measured, characteristic_length(mechanism));
     }
     judge_commands(&mut verdict, data);
     if let Some(held_out) = &held_out {
@@ -119,6 +133,11 @@ pub fn calibrate(
         registration,
     };
     Ok(with_warnings(result, data, &options.holdout))
+}
+
+/// How many angles of a sample were measured.
+fn angles(data: &Dataset, k: usize) -> usize {
+    data.rows(k).into_iter().filter(|kind| *kind == RowKind::Rotation).count()
 }
 
 /// What was found, in which frames.
@@ -224,10 +243,12 @@ fn contradicted(found: &Solved<'_>) -> Result<Option<Belief>, IdentifyError> {
     let (problem, mechanism) = (&found.problem, found.problem.mechanism());
     let belief = problem.belief();
     let values = &found.fit.values.as_slice()[..problem.mechanism_parameters()];
-    let mut seen = Conventions::contradicted(mechanism, values, 1.0);
+    let centre = belief.centre.as_deref().unwrap_or_else(|| mechanism.values());
+    let mut seen = Conventions::contradicted(mechanism, centre, values, 1.0);
     seen.target &= !places_are_identified(problem.data());
-    let conventions = belief.conventions.or(seen);
-    if conventions != belief.conventions || seen != Conventions::STATED && belief.centre.is_none() {
+    // A convention that is free is looked for about where it was found: the first fit may have been pulled back from there.
+    if seen != Conventions::STATED {
+        let conventions = belief.conventions.or(seen);
         return Ok(Some(Belief { conventions, centre: Some(values.to_vec()), ..belief.clone() }));
     }
     let doubted = DrawingTest::of(problem, &found.fit)?.and_then(|test| test.p_value()).is_some_and(|p| p < FITS);

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 use crate::identification::error::IdentifyError;
 use crate::identification::problem::start::poses_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
-use crate::mechanism::{Mechanism, ParameterRole, characteristic_length, motion_of_point};
+use crate::mechanism::{Linearization, Mechanism, ParameterRole, characteristic_length, motion_of_point};
 use crate::pose::{Pose, kabsch, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares, svd};
 use crate::units::Dimension;
@@ -99,7 +99,7 @@ pub(crate) fn register_poses(
     // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
     let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
     // Points at unknown places have no meaning in the platform frame until their places are found.
-    if before <= near && target != TargetFrame::Identified {
+    if (before <= near || closes(mechanism, data)) && target != TargetFrame::Identified {
         return unregistered(before);
     }
     let steps: &[Free] = if target == TargetFrame::Known { &[Free::Base] } else { &[Free::Target, Free::Both] };
@@ -128,6 +128,23 @@ pub(crate) fn register_poses(
         }
         _ => unregistered(before),
     }
+}
+
+/// True if the closure of the mechanism as it is given nearly holds at the measured poses: its residual, which is no larger near
+/// a singularity than elsewhere, is that of its tolerances. False where nothing tells.
+fn closes(mechanism: &dyn Mechanism, data: &Dataset) -> bool {
+    let mut work = Linearization::sized_for(mechanism);
+    let tolerances: Vec<f64> = mechanism.parameters().iter().map(|p| p.tolerance.unwrap_or(0.0)).collect();
+    let ratio = |k: usize| {
+        let ((model, index), sample) = (data.reading(k), data.sample(k));
+        let pose = model.rigid_pose(index)?;
+        mechanism.linearize(mechanism.values(), &sample.joints, &pose, &sample.conditions, &mut work);
+        let spread = work.parameters.column_iter().zip(&tolerances).map(|(c, t)| c.norm_squared() * t * t);
+        Some(work.residual.norm_squared() / spread.sum::<f64>())
+    };
+    let mut ratios: Vec<f64> = (0..data.len()).filter_map(ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).is_some_and(|ratio| *ratio < SPREADS * SPREADS)
 }
 
 /// A tracker elsewhere is believed beside a target elsewhere if it leaves at most this part.

@@ -30,6 +30,8 @@ pub struct Dataset {
     samples: Arc<[Sample]>,
     model: Arc<dyn MeasurementModel>,
     kept: Vec<usize>,
+    /// By which the σ that the model gives to positions and to angles are multiplied.
+    scales: [f64; 2],
     /// 1σ of the readings; the model's covariances are made of it, or of the file's own columns.
     pub noise: Noise,
     /// Where the tracker and the target are.
@@ -44,7 +46,14 @@ impl Dataset {
     #[allow(clippy::panic)]
     pub fn new(samples: Vec<Sample>, model: Arc<dyn MeasurementModel>, noise: Noise) -> Self {
         assert_eq!(samples.len(), model.samples(), "one reading for each sample");
-        Self { kept: (0..samples.len()).collect(), samples: samples.into(), model, noise, frames: Frames::default() }
+        Self {
+            kept: (0..samples.len()).collect(),
+            samples: samples.into(),
+            model,
+            scales: [1.0; 2],
+            noise,
+            frames: Frames::default(),
+        }
     }
 
     /// Number of samples.
@@ -81,7 +90,25 @@ impl Dataset {
 
     /// Covariance of the `k`-th kept reading, SI.
     pub fn covariance(&self, k: usize) -> DMatrix<f64> {
-        self.model.covariance(self.kept[k], &self.frames)
+        let mut covariance = self.model.covariance(self.kept[k], &self.frames);
+        if self.scales != [1.0; 2] {
+            let scales: Vec<f64> =
+                self.rows(k).iter().map(|kind| self.scales[usize::from(*kind == RowKind::Rotation)]).collect();
+            for (row, a) in scales.iter().enumerate() {
+                for (column, b) in scales.iter().enumerate() {
+                    covariance[(row, column)] *= a * b;
+                }
+            }
+        }
+        covariance
+    }
+
+    /// The same readings with `[position, rotation]` times the σ of positions and of angles.
+    #[must_use]
+    pub(crate) fn with_noise_of_kinds(&self, [position, rotation]: [f64; 2]) -> Self {
+        let noise =
+            Noise { position: self.noise.position * position, rotation: self.noise.rotation * rotation, ..self.noise };
+        Self { scales: [self.scales[0] * position, self.scales[1] * rotation], noise, ..self.clone() }
     }
 
     /// The model, and the index in it of the `k`-th kept sample.

@@ -4,7 +4,7 @@
 //! rows, if model, noise and tolerances are right. The misfit of the model is what no parameter explains, and says nothing of
 //! the prior; the rest of the cost is the prior's, and tells whether the machine is as near its drawing as the tolerances say.
 //! Where it is not, the data say by how much: a factor for each group of parameters by maximum marginal likelihood
-//! (expectation and maximisation over the parameters, Dempster, Laird, Rubin 1977).
+//! (MacKay, *Bayesian interpolation*, Neural Computation 4, 1992).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -104,30 +104,51 @@ impl<'a> Linear<'a> {
         DrawingTest { with_prior, prior, free }
     }
 
-    /// Alternately the parameters for these widths, and the widths for which they are most probable.
+    /// The factors for which the data are most probable. Points of platform and base share one unless the data say decisively
+    /// that they do not: where poses hardly tell the two apart, either could stand for both.
     fn factors(&self, problem: &CalibrationProblem<'_>) -> [f64; 4] {
+        let search = |from: &Belief, shared| self.most_probable(problem, from.clone(), shared);
+        let (together, likelihood) = search(problem.belief(), true);
+        let from = Belief { factors: together, ..problem.belief().clone() };
+        let (apart, of_its_own) = search(&from, false);
+        if of_its_own - likelihood > DECISIVE { apart } else { together }
+    }
+
+    /// Alternately the parameters for these widths, and the widths for which they are most probable; and the logarithm of that
+    /// probability, up to a constant.
+    fn most_probable(&self, problem: &CalibrationProblem<'_>, mut belief: Belief, shared: bool) -> ([f64; 4], f64) {
         let mechanism = problem.mechanism();
         let n = self.values.len();
         let (r, c) = (self.data.jacobian(), self.data.upper().view((0, n), (n, 1)).column(0).into_owned());
-        let (normal, gradient) = (r.transpose() * &r, r.transpose() * c);
-        let mut belief = problem.belief().clone();
+        let (normal, gradient) = (r.transpose() * &r, r.transpose() * &c);
         let groups = Group::all(mechanism);
+        let mut likelihood = f64::NEG_INFINITY;
         for _ in 0..ROUNDS {
             let Ok(prior) = Prior::from_tolerance(mechanism, &belief) else { break };
             let (precision, pull, _) = prior.quadratic(self.values.as_slice(), n);
             let Some(factor) = Cholesky::new(&normal + precision) else { break };
-            let values = self.values - factor.solve(&(&gradient + pull));
-            let covariance = factor.inverse();
-            let next = spread(&groups, &belief, &prior, &values, &covariance);
+            let step = factor.solve(&(&gradient + pull));
+            let values = self.values - &step;
+            let (_, _, penalty) = prior.quadratic(values.as_slice(), n);
+            let widths = groups
+                .iter()
+                .zip(belief.factors)
+                .map(|(g, f)| g.as_ref().map_or(0, |g| g.members.len()) as f64 * f.ln());
+            likelihood =
+                -0.5 * ((&c - &r * step).norm_squared() + penalty + factor.ln_determinant()) - widths.sum::<f64>();
+            let next = spread(&groups, &belief, &prior, &values, &factor.inverse(), shared);
             let settled = next.iter().zip(belief.factors).all(|(a, b)| (a / b - 1.0).abs() < SETTLED);
             belief.factors = next;
             if settled {
                 break;
             }
         }
-        belief.factors
+        (belief.factors, likelihood)
     }
 }
+
+/// By how much the logarithm of the probability must grow for factors apart.
+const DECISIVE: f64 = 5.0;
 
 /// How many directions of free conventions the data decide.
 fn decided(problem: &CalibrationProblem<'_>, covariance: &DMatrix<f64>) -> f64 {
@@ -151,28 +172,43 @@ fn scaled(group: &Group, covariance: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(n, n, |i, j| covariance[(k[i], k[j])] / (w[i] * w[j]))
 }
 
-/// Root of the expected mean square over tolerances of each group, without free conventions; at least one.
+/// The next factor of each group, `|s|²/γ` with its deviations `s` over tolerances, without free conventions, and the number `γ`
+/// of directions that the data decide (MacKay 1992, eq. 4.8); at least one. Points of platform and base may have a `shared` one.
 fn spread(
     groups: &[Option<Group>; 4],
     belief: &Belief,
     prior: &Prior,
     values: &DVector<f64>,
     covariance: &DMatrix<f64>,
+    shared: bool,
 ) -> [f64; 4] {
-    std::array::from_fn(|k| {
-        let Some(group) = &groups[k] else { return 1.0 };
+    let mut sums: [[f64; 3]; 4] = std::array::from_fn(|k| {
+        let Some(group) = &groups[k] else { return [0.0; 3] };
         let free = belief.conventions.free()[k];
         let conventions = group.convention.as_ref().filter(|_| free).map_or(0, DMatrix::ncols);
-        let directions = group.members.len() - conventions;
-        if directions == 0 {
-            return 1.0;
-        }
         let held = group.convention_times(if free { 0.0 } else { 1.0 });
         let shift = &held * group.shift(prior.centre(), values.as_slice());
-        let expected = shift.norm_squared() + (&held * scaled(group, covariance)).trace();
-        (expected / directions as f64).sqrt().max(1.0)
+        let left = (&held * scaled(group, covariance)).trace();
+        [shift.norm_squared(), left, (group.members.len() - conventions) as f64]
+    });
+    if shared {
+        let both = std::array::from_fn(|i| sums[0][i] + sums[1][i]);
+        sums[..2].fill(both);
+    }
+    std::array::from_fn(|k| {
+        let [squares, left, directions] = sums[k];
+        if directions == 0.0 {
+            return 1.0;
+        }
+        let decided = directions - left / belief.factors[k].powi(2);
+        // Of what the data hardly decide the expected square is all there is.
+        let square = if decided > FEW * directions { squares / decided } else { (squares + left) / directions };
+        square.sqrt().max(1.0)
     })
 }
+
+/// Part of its directions of which a group needs more for a factor of its own.
+const FEW: f64 = 0.01;
 
 /// The groups whose tolerances were widened, and by how much, in words.
 pub(crate) fn widened_in_words(factors: &[f64; 4]) -> Vec<String> {

@@ -6,6 +6,7 @@ pub(crate) mod drawing;
 pub(crate) mod fit_test;
 pub(crate) mod goodness_of_fit;
 pub(crate) mod held_out;
+pub(crate) mod kinds;
 pub(crate) mod model_errors;
 pub(crate) mod plausibility;
 pub(crate) mod prediction;

@@ -39,6 +39,8 @@ const MOST_GROSS: f64 = 0.3;
 const NO_WEIGHT: f64 = 1e-2;
 /// Without a stated noise: errors of rows that were not fitted, over what those of the fitted ones lead one to expect.
 const FAR: f64 = 3.0;
+/// Errors above this part of the size of a mechanism, and angles above this, rad, bend what a covariance takes for straight.
+const BENT: f64 = 0.05;
 /// Errors up to this, m and rad, are those of arithmetic.
 const ROUNDING: f64 = 1e-9;
 
@@ -134,34 +136,43 @@ pub(crate) fn judge_drawing(
     }
 }
 
-/// What the number of directions says that the data know better than the tolerances do, of those that move the pose at all.
-pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, seen: usize, visible: usize) {
-    if 2 * seen < visible {
+/// What the number of directions says of which the data say anything at all, of those that move the pose.
+pub(crate) fn judge_poses(verdict: &mut CalibrationVerdict, rank: usize, visible: usize) {
+    if 2 * rank < visible {
         verdict.distrust(format!(
-            "the data determine {seen} of the {visible} directions that matter better than [tolerance] does, and nothing \
-             checks the rest of the drawing; measure more and other poses"
+            "the data see {rank} of the {visible} directions that matter, and nothing checks the rest of the drawing; measure \
+             more and other poses"
         ));
     }
 }
 
-/// What the predicted error says, against that of the drawing: of what was `measured`, positions or rotations, something must
-/// have been learned.
+/// What the predicted error says: of what was `measured`, positions or rotations, something must have been learned that the
+/// drawing does not say, and it must be so small a part of a mechanism of this `size` that a covariance has a meaning.
 pub(crate) fn judge_prediction(
     verdict: &mut CalibrationVerdict,
     predicted: &PredictedError,
-    drawing: &PredictedError,
+    drawing: Option<&PredictedError>,
     measured: &ErrorSummary,
+    size: f64,
 ) {
-    let position = measured.position.is_some() && predicted.position_rms >= drawing.position_rms;
-    let rotation = measured.rotation.is_some() && predicted.rotation_rms >= drawing.rotation_rms;
-    if position || rotation {
+    let shown = |e: &PredictedError| format!("{} and {}", show_length(e.position_rms), show_angle(e.rotation_rms));
+    let (position, rotation) = (measured.position.is_some(), measured.rotation.is_some());
+    if position && predicted.position_rms > BENT * size || rotation && predicted.rotation_rms > BENT {
         verdict.distrust(format!(
-            "the data tell little that the drawing does not: the predicted error is {} and {}, that of the drawing with \
-             its tolerances {} and {}; measure more and other poses",
-            show_length(predicted.position_rms),
-            show_angle(predicted.rotation_rms),
-            show_length(drawing.position_rms),
-            show_angle(drawing.rotation_rms),
+            "the predicted error, {}, is so large that it means nothing for a mechanism of this size; check the drawing (signs, \
+             units, order of the legs) and the columns, and measure more and other poses",
+            shown(predicted)
+        ));
+    }
+    let Some(drawing) = drawing else { return };
+    if position && predicted.position_rms >= drawing.position_rms
+        || rotation && predicted.rotation_rms >= drawing.rotation_rms
+    {
+        verdict.distrust(format!(
+            "the data tell little that the drawing does not: the predicted error is {}, that of the drawing with its \
+             tolerances {}; measure more and other poses",
+            shown(predicted),
+            shown(drawing)
         ));
     }
 }

@@ -3,7 +3,8 @@
 use crate::identification::calibration::Calibration;
 use crate::identification::judgement::held_out::Holdout;
 use crate::identification::judgement::plausibility::Implausible;
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, RowKind};
+use crate::units::show_angle;
 
 /// What is said where tracker or target are elsewhere than the mechanism file has them.
 pub(crate) const IN_ANOTHER_FRAME: &str = "the data are in another frame than the mechanism file; the calibrated model is in the \
@@ -39,11 +40,18 @@ pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &H
         ));
     }
     if !data.noise.known && result.identification.misfit.degrees_of_freedom > 0 {
-        let scale = result.identification.noise_scale * data.noise.position;
-        warnings.push(format!(
-            "no noise is stated; it was estimated from the residuals as {:.3} um per position coordinate",
-            1e6 * scale
-        ));
+        let scale = result.identification.noise_scale;
+        let [mut positions, mut angles] = [false; 2];
+        for kind in (0..data.len()).flat_map(|k| data.rows(k)) {
+            positions |= kind == RowKind::Position;
+            angles |= kind == RowKind::Rotation;
+        }
+        let of = [
+            positions.then(|| format!("{:.3} um per position coordinate", 1e6 * scale * data.noise.position)),
+            angles.then(|| format!("{} per angle", show_angle(scale * data.noise.rotation))),
+        ];
+        let of: Vec<String> = of.into_iter().flatten().collect();
+        warnings.push(format!("no noise is stated; it was estimated from the residuals as {}", of.join(" and ")));
     }
     result
 }

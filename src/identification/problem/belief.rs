@@ -46,12 +46,12 @@ impl Conventions {
     /// Where tracker and target are is not known.
     pub const FRAMES: Self = Self { target: true, tracker: true, zeros: false };
 
-    /// Those that the identified values contradict: along them the points, or the zeros, moved farther than so many tolerances
-    /// allow.
-    pub fn contradicted(mechanism: &dyn Mechanism, values: &[f64], tolerances: f64) -> Self {
+    /// Those that the identified values contradict: along them the points, or the zeros, are farther from `centre` than so many
+    /// tolerances allow.
+    pub fn contradicted(mechanism: &dyn Mechanism, centre: &[f64], values: &[f64], tolerances: f64) -> Self {
         let [target, tracker, zeros, _] = Group::all(mechanism).map(|group| {
             let Some((group, q)) = group.as_ref().and_then(|g| Some((g, g.convention.as_ref()?))) else { return false };
-            let along = q.transpose() * group.shift(mechanism.values(), values) / tolerances;
+            let along = q.transpose() * group.shift(centre, values) / tolerances;
             ChiSquared::new(q.ncols() as f64).is_ok_and(|chi| chi.sf(along.norm_squared()) < NOT_STATED)
         });
         Self { target, tracker, zeros }

@@ -69,7 +69,7 @@ impl<'a> CalibrationProblem<'a> {
         if data.is_empty() {
             return Err(IdentifyError::Empty);
         }
-        let start::Start { poses, guess } = start::start(from_home, mechanism, data, task.conventions)?;
+        let start::Start { poses, near } = start::start(from_home, mechanism, data, task.conventions)?;
         let expected = data.model().nuisance_parameters().len();
         let own = if expected > 0 { own_start(data, &poses) } else { Vec::new() };
         if own.len() != expected || own.iter().any(|v| !v.is_finite()) {
@@ -78,7 +78,7 @@ impl<'a> CalibrationProblem<'a> {
         let c = mechanism.values();
         let from = |c: &[f64]| DVector::from_iterator(c.len() + expected, c.iter().chain(&own).copied());
         let start = from(c);
-        let first = guess.as_deref().map_or_else(|| start.clone(), from);
+        let first = near.as_ref().map_or_else(|| start.clone(), |near| from(&near.values));
         let mut redundancy = Redundancy::of(mechanism, data.noise.joint);
         let (own, weights) = (own.as_slice(), task.weights);
         let samples = Preparation { mechanism, data, own, weights, redundancy: redundancy.as_mut() }.samples(&poses)?;
@@ -95,8 +95,8 @@ impl<'a> CalibrationProblem<'a> {
             rows: Rows::sized(data.rows(0).len(), expected),
             samples: samples.into(),
             redundancy,
-            poses,
-            solved_at: Some(c.to_vec()),
+            solved_at: Some(first.as_slice()[..c.len()].to_vec()),
+            poses: near.map_or(poses, |near| near.poses),
             guess: first.clone(),
             first,
             start,
@@ -178,9 +178,13 @@ impl<'a> CalibrationProblem<'a> {
     /// Begins anew where the closure fits the measured poses best, from where an iteration has a shorter way than from the
     /// mechanism as it is given. False if the readings give too few poses.
     pub(crate) fn begin_at_closure(&mut self) -> bool {
-        let Some(c) = start::closure_start(self.mechanism, &self.data, self.belief.conventions) else { return false };
-        self.first.rows_mut(0, c.len()).copy_from(&DVector::from_vec(c));
+        let at_start: Vec<Result<Pose, IdentifyError>> = self.prepared().map(|s| Ok(s.pose)).collect();
+        let conventions = self.belief.conventions;
+        let Some(near) = start::closure_start(self.mechanism, &self.data, conventions, &at_start) else { return false };
+        self.first.rows_mut(0, near.values.len()).copy_from(&DVector::from_column_slice(&near.values));
         self.guess.clone_from(&self.first);
+        self.poses = near.poses;
+        self.solved_at = Some(near.values);
         true
     }
 

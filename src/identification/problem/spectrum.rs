@@ -83,14 +83,9 @@ impl ScaledRows {
         (&self.part * directions).norm() < CLEARLY_SEEN * self.part.norm()
     }
 
-    /// How many directions the data know better than the tolerances do, if these are `factors` times as wide.
-    pub(crate) fn seen(&self, noise_scale: f64, factors: &[f64]) -> usize {
-        if self.decided(noise_scale) {
-            return self.scale.len();
-        }
-        let mut part = self.part.clone();
-        part.column_iter_mut().zip(factors).for_each(|(mut column, factor)| column.scale_mut(*factor));
-        Spectrum::of(&part, 0, false).values.iter().filter(|v| **v > noise_scale).count()
+    /// How many directions the rows see at all.
+    pub(crate) fn rank(&self) -> usize {
+        self.scale.len() - self.unseen().map_or(0, |(_, directions)| directions.ncols())
     }
 
     /// Tolerances and the directions (columns, in parameters over them) of which the rows say nothing; `None` if there are

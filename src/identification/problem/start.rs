@@ -23,8 +23,15 @@ pub(crate) fn poses_from_home(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<
 pub(crate) struct Start {
     /// Pose of each sample for the mechanism as it is given; the measured one where it does not reach the sample.
     pub(crate) poses: Vec<Pose>,
-    /// Parameters of the mechanism that reach all samples, where those as given do not.
-    pub(crate) guess: Option<Vec<f64>>,
+    /// Where the closure fits best, if the mechanism as it is given does not reach all samples.
+    pub(crate) near: Option<Near>,
+}
+
+/// Parameters of a mechanism near the given ones that reach all samples.
+pub(crate) struct Near {
+    pub(crate) values: Vec<f64>,
+    /// The poses of the samples.
+    pub(crate) poses: Vec<Pose>,
 }
 
 /// Fewest measured poses that say anything of a mechanism that does not reach a sample.
@@ -43,41 +50,48 @@ pub(crate) fn start(
     data: &Dataset,
     conventions: Conventions,
 ) -> Result<Start, IdentifyError> {
-    let forward = |k: usize, c: &[f64], seed: &Pose| {
-        let sample = data.sample(k);
-        mechanism.forward(c, &sample.joints, &sample.conditions, seed)
-    };
-    let seed = |k: usize| seed_from_reading(data, k);
-    let solved: Vec<Result<Pose, IdentifyError>> = from_home
-        .into_iter()
-        .enumerate()
-        .map(|(k, pose)| {
-            let values = mechanism.values();
-            pose.or_else(|error| forward(k, values, &seed(k).ok_or_else(|| error.clone())?).map_err(|_| error))
-        })
-        .collect();
-    if solved.iter().all(Result::is_ok) {
-        return Ok(Start { poses: solved.into_iter().collect::<Result<_, _>>()?, guess: None });
-    }
-    let guess = closure_start(mechanism, data, conventions);
-    let reached = |(k, pose): (usize, Result<Pose, IdentifyError>)| {
+    let from_reading = |(k, pose): (usize, Result<Pose, IdentifyError>)| {
         pose.or_else(|error| {
-            let (Some(values), Some(seed)) = (&guess, seed(k)) else { return Err(error) };
-            forward(k, values, &seed).map(|_| seed).map_err(|_| error)
+            let seed = from_reading(data, k).ok_or_else(|| error.clone())?;
+            forward(mechanism, mechanism.values(), data, k, &seed).map_err(|_| error)
         })
     };
-    let poses = solved.into_iter().enumerate().map(reached).collect::<Result<_, _>>()?;
-    Ok(Start { poses, guess })
+    let solved: Vec<Result<Pose, IdentifyError>> = from_home.into_iter().enumerate().map(from_reading).collect();
+    let near =
+        solved.iter().any(Result::is_err).then(|| closure_start(mechanism, data, conventions, &solved)).flatten();
+    let pose = |(k, pose): (usize, Result<Pose, IdentifyError>)| match &near {
+        Some(near) => Ok(pose.unwrap_or(near.poses[k])),
+        None => pose,
+    };
+    let poses = solved.into_iter().enumerate().map(pose).collect::<Result<_, _>>()?;
+    Ok(Start { poses, near })
+}
+
+fn forward(
+    mechanism: &dyn Mechanism,
+    c: &[f64],
+    data: &Dataset,
+    k: usize,
+    seed: &Pose,
+) -> Result<Pose, KinematicsError> {
+    let sample = data.sample(k);
+    mechanism.forward(c, &sample.joints, &sample.conditions, seed)
 }
 
 /// The pose of the platform as the reading has it, in the frames of the data.
-fn seed_from_reading(data: &Dataset, k: usize) -> Option<Pose> {
+fn from_reading(data: &Dataset, k: usize) -> Option<Pose> {
     let (model, index) = data.reading(k);
     model.rigid_pose(index).map(|p| data.frames.platform(&p))
 }
 
-/// The parameters for which the closure fits the measured poses best.
-pub(crate) fn closure_start(mechanism: &dyn Mechanism, data: &Dataset, conventions: Conventions) -> Option<Vec<f64>> {
+/// The parameters for which the closure fits the measured poses best, if they reach all samples; `solved` are the poses of the
+/// mechanism as it is given.
+pub(crate) fn closure_start(
+    mechanism: &dyn Mechanism,
+    data: &Dataset,
+    conventions: Conventions,
+    solved: &[Result<Pose, IdentifyError>],
+) -> Option<Near> {
     let read = |k: usize| {
         let (model, index) = data.reading(k);
         let sample = data.sample(k);
@@ -90,7 +104,13 @@ pub(crate) fn closure_start(mechanism: &dyn Mechanism, data: &Dataset, conventio
     let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
     let prior = Prior::wide(mechanism, TOLERANCES, conventions);
     let fit = ClosureFit::new(mechanism, &prior, Vector6::new(p, p, p, r, r, r));
-    fit.fit(&rows, &data.frames, Look::Start).map(|fitted| fitted.values)
+    let values = fit.fit(&rows, &data.frames, Look::Start)?.values;
+    let reached = |(k, pose): (usize, &Result<Pose, IdentifyError>)| {
+        let seed = from_reading(data, k).or(pose.as_ref().ok().copied()).unwrap_or(mechanism.home());
+        forward(mechanism, &values, data, k, &seed).ok()
+    };
+    let poses = solved.iter().enumerate().map(reached).collect::<Option<_>>()?;
+    Some(Near { values, poses })
 }
 
 /// Start values of the measurement's own parameters, for the poses of the samples of `data`.

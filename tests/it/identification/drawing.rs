@@ -87,7 +87,7 @@ fn tolerances_that_the_data_contradict_are_widened_and_the_error_is_true() {
             let [platform, base, ..] = found.tolerance_factors;
             // Both bodies move the legs alike, and what one does not take the other does.
             let factor = f64::midpoint(platform * platform, base * base).sqrt() / (0.4 / stated);
-            assert!((0.5..2.0).contains(&factor), "{stated}, {seed}: {:?}", found.tolerance_factors);
+            assert!((0.4..2.0).contains(&factor), "{stated}, {seed}: {:?}", found.tolerance_factors);
             assert!(found.verdict.warnings.iter().any(|w| w.contains("times as much as [tolerance] states")));
             ratios.push(ratio(&found, &fresh));
             // Whoever insists on the stated width is told that it does not hold.
@@ -126,6 +126,6 @@ fn few_poses_are_not_enough_however_many_times_they_are_measured() {
     for kept in [vec![4], vec![4, 9], vec![11; 24]] {
         let result = calibrated(&machine, &data.subset(&kept), PriorPolicy::Auto);
         let why = result.verdict.reasons.join("; ");
-        assert!(!result.verdict.trusted && why.contains("directions that matter"), "{kept:?}: {why}");
+        assert!(!result.verdict.trusted && why.contains("measure more and other poses"), "{kept:?}: {why}");
     }
 }

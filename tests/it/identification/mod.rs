@@ -5,4 +5,5 @@ mod drawing;
 mod frames;
 mod gross_errors;
 mod paper_case;
+mod starts;
 mod work;

@@ -8,10 +8,11 @@ use paracal::conditions::Conditions;
 use paracal::files::read_measurement;
 use paracal::identification::{CalibrationOptions, LevenbergMarquardt, calibrate, pose_covariance};
 use paracal::measurement::{
-    Dataset, MeasurementModel, Noise, PoseMeasurement, PoseReading, TargetMeasurement, TargetPoint,
+    Dataset, Frames, MeasurementModel, Noise, PoseMeasurement, PoseReading, Rows, Sample, TargetMeasurement,
+    TargetPoint,
 };
 use paracal::nalgebra::{Matrix3x6, Vector3};
-use paracal::pose::Pose;
+use paracal::pose::{Pose, PoseConvention, RotationOrder};
 use paracal::simulation::SimulatedSample;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -186,5 +187,40 @@ fn quaternions_sigmas_and_commanded_poses_are_read() {
         let covariance = read.data.model().covariance(k, &read.data.frames);
         assert!((covariance[(0, 0)].sqrt() - 2e-6).abs() < 1e-15 && (covariance[(1, 1)].sqrt() - 1e-6).abs() < 1e-15);
         assert!((covariance[(3, 3)].sqrt().to_degrees() * 3600.0 - 0.5).abs() < 1e-12);
+    }
+}
+
+/// The same attitude written as other angles: with a full turn more, and as the other triple of Euler angles.
+#[test]
+fn an_attitude_has_one_answer_however_it_is_written() {
+    use std::f64::consts::{PI, TAU};
+    let sigma = [1e-6, 1e-6, 1e-6, 1e-5, 3e-5, 9e-5];
+    let stated = [0.02, -0.01, 0.4, 0.11, -0.07, 0.23];
+    let other = [0.02, -0.01, 0.4, 0.11 + PI, PI + 0.07, 0.23 - PI];
+    let turned = [0.02, -0.01, 0.4, 0.11 + TAU, -0.07 - TAU, 0.23 + 2.0 * TAU];
+    for order in [RotationOrder::Zyx, RotationOrder::Xyz] {
+        let convention = PoseConvention { order, ..PoseConvention::default() };
+        let reading = |values: [f64; 6]| PoseReading { values, measured: [true; 6], sigma };
+        let model = PoseMeasurement::new(convention, vec![reading(stated), reading(other), reading(turned)]);
+        let mut at = stated;
+        at[4] += 1e-3;
+        let pose = convention.pose(&at);
+        let tilted = Frames {
+            base: convention.pose(&[1.0, 2.0, 3.0, 0.4, 0.5, 0.6]),
+            target: convention.pose(&[0.1, 0.0, 0.2, 0.1, 0.2, 0.3]),
+        };
+        for frames in [Frames::default(), tilted] {
+            let rows = |k: usize| {
+                let mut rows = Rows::sized(6, 0);
+                model.evaluate(k, &Sample::default(), &pose, &frames, &[], &mut rows);
+                (rows.residual, rows.motion, model.covariance(k, &frames))
+            };
+            let (residual, motion, covariance) = rows(0);
+            for k in [1, 2] {
+                let other = rows(k);
+                assert!((&other.0 - &residual).amax() < 1e-12, "{order:?}: {} {}", other.0, residual);
+                assert!((&other.1 - &motion).amax() < 1e-12 && (&other.2 - &covariance).amax() < 1e-20);
+            }
+        }
     }
 }
