@@ -122,9 +122,9 @@ impl MeasurementModel for WithInstrumentEffects {
         self.inner.row_of_each(sample)
     }
 
-    fn target_motion(&self, own: &[f64]) -> Option<DMatrix<f64>> {
+    fn platform_motion(&self, own: &[f64], pose: &Pose, frames: &Frames) -> Option<DMatrix<f64>> {
         let of_inner = self.inner.nuisance_parameters().len();
-        let motion = self.inner.target_motion(&own[..of_inner])?;
+        let motion = self.inner.platform_motion(&own[..of_inner], pose, frames)?;
         Some(motion.resize_horizontally(own.len(), 0.0))
     }
 

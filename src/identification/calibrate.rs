@@ -14,7 +14,7 @@ use crate::identification::judgement::goodness_of_fit::GoodnessOfFit;
 use crate::identification::judgement::held_out::{Holdout, held_out, held_out_data};
 use crate::identification::judgement::kinds::noise_of_kinds;
 use crate::identification::judgement::model_errors::{ErrorSummary, errors_at, evaluate};
-use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_of_target, visible_directions};
+use crate::identification::judgement::prediction::{predicted_errors, predicted_errors_as_seen, visible_directions};
 use crate::identification::judgement::verdict::{
     judge, judge_commands, judge_drawing, judge_held_out, judge_poses, judge_prediction,
 };
@@ -26,8 +26,8 @@ use crate::identification::problem::prior::{Prior, PriorPolicy};
 use crate::identification::problem::start::poses_from_home;
 use crate::identification::registration::{Registration, register, register_poses};
 use crate::identification::task::Task;
-use crate::measurement::{Dataset, Frames, RowKind, TargetFrame};
-use crate::mechanism::{Mechanism, Workspace, characteristic_length};
+use crate::measurement::{Dataset, Free, RowKind, TargetFrame, UnknownFrames};
+use crate::mechanism::{Body, Mechanism, Workspace, characteristic_length, not_carried};
 use crate::observability::PredictedError;
 use crate::pose::{Pose, PoseConvention};
 
@@ -60,13 +60,19 @@ pub fn calibrate(
         }
         None => data,
     };
-    let Solved { registration, mut problem, fit, converged } = solved;
+    let Solved { registration: stood, mut problem, fit, converged, free } = solved;
+    let as_seen = Identification::of(&mut problem, &fit)?;
+    // What the frames moved by belongs to them from here on.
+    let (found, moved) = as_seen.clone().without_last(free.count());
+    let registration = Registration { frames: free.moved(&stood.frames, &moved), ..stood };
     let frames = registration.frames;
-    let found = Identification::of(&mut problem, &fit)?;
     let Carried { mechanism: calibrated, parameters, covariance, plausibility } = carried(mechanism, &found, &frames)?;
     let own = found.own_values();
     let held_out = match &options.holdout {
-        Holdout::Data(other) => Some(held_out_data(&found, mechanism, &frames, other)?),
+        Holdout::Data(other) => {
+            let other = UnknownFrames::wrap(&other.with_frames(stood.frames), &free);
+            Some(held_out_data(&as_seen, mechanism, &other)?)
+        }
         holdout => held_out(identifier, &problem, &fit, holdout, options.seed)?,
     };
     let tolerance_factors = problem.belief().factors;
@@ -95,7 +101,7 @@ pub fn calibrate(
     );
     let not_reached = nominal.iter().filter(|pose| pose.is_err()).count();
     let nominal: Option<Vec<Pose>> = nominal.into_iter().collect::<Result<_, _>>().ok();
-    let predicted = predict(mechanism, data, &found, &frames, &poses, &convention)?;
+    let predicted = predict(mechanism, problem.data(), &as_seen, &poses, &convention)?;
     // What is to be learned beyond placing the machine.
     let of_drawing = without_conventions(mechanism, tolerance_factors)
         .and_then(|covariance| predicted_errors(mechanism, &covariance, &poses, &convention));
@@ -146,6 +152,8 @@ struct Solved<'a> {
     problem: CalibrationProblem<'a>,
     fit: Fit,
     converged: bool,
+    /// Motions of the frames that are unknowns of the problem.
+    free: Free,
 }
 
 /// The fit of a problem, and whether it converged; where it does not from one start, it may from another.
@@ -176,24 +184,27 @@ fn identified<'a>(
     options: &CalibrationOptions,
     identifier: &dyn Identifier,
 ) -> Result<Solved<'a>, IdentifyError> {
-    let solve = |registration: Registration, conventions: Conventions| -> Result<Solved<'a>, IdentifyError> {
-        let aligned = data.with_frames(registration.frames);
-        let task =
-            Task { prior: options.prior, weights: options.weights, conventions, ..Task::new(mechanism, &aligned) };
-        let mut problem = CalibrationProblem::from_poses(mechanism, &task, nominal.to_vec())?;
-        let (fit, converged) = estimated(identifier, &mut problem)?;
-        Ok(Solved { registration, problem, fit, converged })
-    };
+    let solve =
+        |registration: Registration, conventions: Conventions, free: &Free| -> Result<Solved<'a>, IdentifyError> {
+            let aligned = UnknownFrames::wrap(&data.with_frames(registration.frames), free);
+            let task =
+                Task { prior: options.prior, weights: options.weights, conventions, ..Task::new(mechanism, &aligned) };
+            let mut problem = CalibrationProblem::from_poses(mechanism, &task, nominal.to_vec())?;
+            let (fit, converged) = estimated(identifier, &mut problem)?;
+            Ok(Solved { registration, problem, fit, converged, free: free.clone() })
+        };
     let frames = Conventions { tracker: true, target: !places_are_identified(data), zeros: false };
     let mut tried = register_poses(mechanism, data, nominal);
     // A mechanism that carries its points takes the frames up in them.
     if !tried.applied || mechanism.mounted(&Pose::identity(), &Pose::identity()).is_none() {
         let conventions = if tried.frames.is_identity() { Conventions::STATED } else { frames };
-        return as_found(solve(tried, conventions)?, identifier);
+        return as_found(solve(tried, conventions, &Free::default())?, identifier);
     }
+    let free = unknown_motions(mechanism, data);
+    let solve = |registration: Registration| solve(registration, frames, &free);
     let (mut best, mut least) = (None, f64::INFINITY);
     for _ in 0..FRAME_ROUNDS {
-        let found = solve(tried, frames)?;
+        let found = solve(tried)?;
         let misfit = GoodnessOfFit::of(&found.problem, &found.fit)?;
         if best.is_some() && !(misfit.chi_square < least) {
             break;
@@ -212,6 +223,19 @@ fn identified<'a>(
     }
     // The first round always leaves one.
     as_found(best.ok_or(IdentifyError::Empty)?, identifier)
+}
+
+/// The motions of tracker and target that the points of a mechanism cannot take up, as far as readings tell of them.
+fn unknown_motions(mechanism: &dyn Mechanism, data: &Dataset) -> Free {
+    let plain = mechanism.extension().map_or(mechanism, |e| e.inner());
+    let mut target = match data.model().target_frame() {
+        TargetFrame::Convention => not_carried(plain, Body::Platform),
+        _ => Vec::new(),
+    };
+    // How a target is turned is seen by attitudes alone.
+    let attitudes = (0..data.len()).any(|k| angles(data, k) >= 3);
+    target.retain(|k| *k < 3 || attitudes);
+    Free { tracker: not_carried(plain, Body::Base), target }
 }
 
 /// Where the targets sit on the platform is identified, so that moving them and the platform's points together moves nothing
@@ -278,11 +302,11 @@ fn poses_to_predict(
     }
 }
 
+/// Of what an instrument sees, where `data` have parameters for the place of its frames or of the targets.
 fn predict(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     found: &Identification,
-    frames: &Frames,
     poses: &[Pose],
     convention: &PoseConvention,
 ) -> Result<Option<PredictedError>, IdentifyError> {
@@ -290,11 +314,12 @@ fn predict(
         return Ok(None);
     }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
-    let pivot = frames.target.place(&convention.pivot);
+    let pivot = data.frames.target.place(&convention.pivot);
     let convention = PoseConvention { pivot, ..*convention };
-    let aligned = aligned.as_ref();
-    Ok(match data.model().target_motion(&found.own_values()) {
-        Some(motion) => predicted_errors_of_target(aligned, &found.covariance, &motion, poses, &convention),
+    let (aligned, own) = (aligned.as_ref(), found.own_values());
+    let motion = |pose: &Pose| data.model().platform_motion(&own, pose, &data.frames);
+    Ok(match motion(&mechanism.home()) {
+        Some(_) => predicted_errors_as_seen(aligned, &found.covariance, motion, poses, &convention),
         None => predicted_errors(aligned, &found.mechanism_covariance(), poses, &convention),
     })
 }

@@ -32,6 +32,7 @@ mod plane_contact;
 mod pose_measurement;
 mod row;
 mod targets;
+mod unknown_frames;
 
 use std::fmt::Debug;
 
@@ -44,6 +45,7 @@ pub use plane_contact::{Contact, ContactReading, Plane, PlaneContact};
 pub use pose_measurement::{PoseMeasurement, PoseReading};
 pub use row::{DataRow, SamplePosition};
 pub use targets::{TargetMeasurement, TargetPoint};
+pub(crate) use unknown_frames::{Free, UnknownFrames};
 
 use crate::mechanism::ParameterSpec;
 use crate::pose::Pose;
@@ -114,9 +116,9 @@ pub trait MeasurementModel: Debug + Send + Sync {
         TargetFrame::Convention
     }
 
-    /// Small motion `(δt, δω)` of the target on the platform, in the platform's frame, per own parameter (6 × own), where these
-    /// say where the target sits; `None` if they do not.
-    fn target_motion(&self, _own: &[f64]) -> Option<DMatrix<f64>> {
+    /// Small motion `(δt, δω)` of the platform at a pose, in base axes, that does to a prediction of it what each own parameter
+    /// does (6 × own), where these say where the target sits or the tracker stands; `None` if they do not.
+    fn platform_motion(&self, _own: &[f64], _pose: &Pose, _frames: &Frames) -> Option<DMatrix<f64>> {
         None
     }
 

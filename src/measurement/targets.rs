@@ -174,7 +174,7 @@ impl MeasurementModel for TargetMeasurement {
     }
 
     /// The best rigid motion of the identified places, where all are.
-    fn target_motion(&self, own: &[f64]) -> Option<DMatrix<f64>> {
+    fn platform_motion(&self, own: &[f64], pose: &Pose, _frames: &Frames) -> Option<DMatrix<f64>> {
         let n = self.targets.len();
         if n < 3 || self.known() > 0 {
             return None;
@@ -184,7 +184,14 @@ impl MeasurementModel for TargetMeasurement {
             moved.fixed_view_mut::<3, 3>(3 * t, 0).copy_from(&Matrix3::identity());
             moved.fixed_view_mut::<3, 3>(3 * t, 3).copy_from(&-place.cross_matrix());
         }
-        moved.pseudo_inverse(COLLINEAR).ok()
+        let mut motion = moved.pseudo_inverse(COLLINEAR).ok()?;
+        for mut column in motion.column_iter_mut() {
+            for first in [0, 3] {
+                let turned = pose.rotation * column.fixed_rows::<3>(first);
+                column.fixed_rows_mut::<3>(first).copy_from(&turned);
+            }
+        }
+        Some(motion)
     }
 
     fn rigid_pose(&self, sample: usize) -> Option<Pose> {

@@ -1,8 +1,8 @@
 //! Size and conditioning of a mechanism.
 
-use nalgebra::{DVector, Matrix6, Vector3};
+use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
-use super::{GeometryError, KinematicsError, Linearization, Mechanism, ParameterRole, ParameterSpec};
+use super::{GeometryError, KinematicsError, Linearization, Mechanism, MotionBlock, ParameterRole, ParameterSpec};
 use crate::conditions::Conditions;
 use crate::pose::Pose;
 use crate::solve::inverse6;
@@ -65,6 +65,43 @@ pub fn rigid_directions<M: Mechanism + ?Sized>(mechanism: &M, body: Body, scale:
         }
         direction
     })
+}
+
+/// A motion that the points of a body carry is met to this part.
+const CARRIED: f64 = 1e-6;
+
+/// The motions of a body (shifts along x, y, z, turns about them) that the points among the parameters do not carry, because
+/// something else of the body, such as a rail, keeps its direction. Compared at home and next to it.
+pub(crate) fn not_carried(mechanism: &dyn Mechanism, body: Body) -> Vec<usize> {
+    let (c, at) = (mechanism.values(), Conditions::unknown());
+    let ones = vec![1.0; c.len()];
+    let points = body.points(mechanism, c);
+    let centre = points.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    let directions = rigid_directions(mechanism, body, &ones);
+    let size = characteristic_length(mechanism);
+    let beside = |k: usize| {
+        let motion = Vector6::ith(k, if k < 3 { 0.1 * size } else { 0.1 });
+        super::consistent(mechanism, c, &mechanism.home().moved(&motion), &at)
+    };
+    let mut carried = [true; 6];
+    let mut block = MotionBlock::sized_for(mechanism);
+    for (pose, joints) in (0..6).filter_map(|k| beside(k).ok()) {
+        if mechanism.motion_block(c, &joints, &pose, &at, &mut block).is_err() {
+            continue;
+        }
+        for (k, carried) in carried.iter_mut().enumerate() {
+            let (t, w) =
+                (Vector3::ith(k % 3, f64::from(u8::from(k < 3))), Vector3::ith(k % 3, f64::from(u8::from(k >= 3))));
+            let expected = match body {
+                Body::Base => [t + w.cross(&(pose.position - centre)), w],
+                Body::Platform => [-(pose.rotation * (t - w.cross(&centre))), -(pose.rotation * w)],
+            };
+            let moved = &block.parameters * &directions[k];
+            let off = Vector6::from_fn(|i, _| moved[i] - expected[i / 3][i % 3]);
+            *carried &= off.rows(0, 3).norm() + size * off.rows(3, 3).norm() < CARRIED * (1.0 + size);
+        }
+    }
+    (0..6).filter(|k| !carried[*k]).collect()
 }
 
 /// Mean distance of the platform points from their centroid, m: the arm by which an angle becomes a length.

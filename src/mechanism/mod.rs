@@ -44,6 +44,7 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
 
+pub(crate) use characteristics::not_carried;
 pub use characteristics::{Body, characteristic_length, condition, rigid_directions};
 use characteristics::{check_held, inverse_motion};
 pub use core::MechanismCore;

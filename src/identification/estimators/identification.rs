@@ -58,6 +58,15 @@ impl Identification {
         self.parameters[..self.mechanism_parameters].iter().map(|p| p.value).collect()
     }
 
+    /// Without its last parameters, whose values are returned too.
+    pub(crate) fn without_last(mut self, count: usize) -> (Self, Vec<f64>) {
+        let n = self.parameters.len() - count;
+        let values = self.parameters.drain(n..).map(|p| p.value).collect();
+        self.covariance = self.covariance.view((0, 0), (n, n)).into_owned();
+        self.rank -= count.min(self.rank);
+        (self, values)
+    }
+
     /// Values of the measurement's own parameters.
     pub fn own_values(&self) -> Vec<f64> {
         self.parameters[self.mechanism_parameters..].iter().map(|p| p.value).collect()

@@ -15,7 +15,7 @@ use crate::identification::judgement::model_errors::{ErrorSummary, ModelErrors, 
 use crate::identification::problem::calibration_problem::CalibrationProblem;
 use crate::identification::problem::start::sample_error;
 use crate::identification::task::Task;
-use crate::measurement::{Dataset, Frames};
+use crate::measurement::Dataset;
 use crate::mechanism::{ForwardQuery, Mechanism};
 use crate::pose::Pose;
 use crate::solve::Triangle;
@@ -45,21 +45,19 @@ pub struct HeldOut {
     pub p_value: Option<f64>,
 }
 
-/// Predicts other data with what was found.
+/// Predicts other data, in the frames of the problem, with what was found.
 ///
 /// # Errors
 /// [`IdentifyError::HeldOut`] if they cannot be used.
 pub(crate) fn held_out_data(
     found: &Identification,
     mechanism: &dyn Mechanism,
-    frames: &Frames,
     other: &Dataset,
 ) -> Result<HeldOut, IdentifyError> {
     let wrong = |cause| IdentifyError::HeldOut(Box::new(cause));
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;
-    let other = other.with_frames(*frames);
-    let errors = evaluate(aligned.as_ref(), &found.own_values(), &other).map_err(wrong)?;
-    let p_value = surprise(found, aligned.as_ref(), &other).map_err(wrong)?;
+    let errors = evaluate(aligned.as_ref(), &found.own_values(), other).map_err(wrong)?;
+    let p_value = surprise(found, aligned.as_ref(), other).map_err(wrong)?;
     Ok(HeldOut { rms: errors.rms(), samples: errors.samples.len(), p_value })
 }
 

@@ -1,6 +1,8 @@
 //! How well the calibrated model predicts poses.
 
-use nalgebra::{DMatrix, Matrix6};
+use std::ops::AddAssign;
+
+use nalgebra::{DMatrix, Matrix6, Vector3};
 
 use crate::conditions::Conditions;
 use crate::mechanism::{KinematicsError, Mechanism, MotionBlock, motion_of_point};
@@ -62,27 +64,27 @@ pub(crate) fn visible_directions(
     values.iter().filter(|v| **v > limit).count()
 }
 
-/// The same of the frame in which the identified targets sit, `motion` (6 × own) being how far each own parameter of the
-/// measurement moves it on the platform. The platform alone has no place then: moving its points and all targets together
-/// changes nothing that is measured.
-pub(crate) fn predicted_errors_of_target(
+/// The same where own parameters of the measurement say where the target sits or the tracker stands: of what an instrument sees,
+/// `motion` (6 × own) being the small motion of the platform at a pose that does what each of them does. The covariance is that of
+/// all parameters.
+pub(crate) fn predicted_errors_as_seen(
     mechanism: &dyn Mechanism,
     covariance: &DMatrix<f64>,
-    motion: &DMatrix<f64>,
+    motion: impl Fn(&Pose) -> Option<DMatrix<f64>>,
     poses: &[Pose],
     convention: &PoseConvention,
 ) -> Option<PredictedError> {
-    let (n, own) = (mechanism.parameters().len(), motion.ncols());
+    let n = mechanism.parameters().len();
     let block = |pose: &Pose| {
         let of_mechanism = motion_of_point(mechanism, pose, &convention.pivot).ok()?;
-        let turn = pose.rotation.matrix();
-        let mut carried = Matrix6::zeros();
-        carried.fixed_view_mut::<3, 3>(0, 0).copy_from(turn);
-        carried.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-turn * convention.pivot.cross_matrix()));
-        carried.fixed_view_mut::<3, 3>(3, 3).copy_from(turn);
-        let mut block = DMatrix::zeros(6, n + own);
-        block.columns_mut(0, n).copy_from(&of_mechanism);
-        block.columns_mut(n, own).copy_from(&(carried * motion));
+        let mut own = motion(pose)?;
+        let lever = pose.rotation * convention.pivot;
+        for mut column in own.column_iter_mut() {
+            let shift = Vector3::new(column[3], column[4], column[5]).cross(&lever);
+            column.rows_mut(0, 3).add_assign(&shift);
+        }
+        let mut block = of_mechanism.resize_horizontally(n + own.ncols(), 0.0);
+        block.columns_mut(n, own.ncols()).copy_from(&own);
         Some(block)
     };
     let blocks: Vec<DMatrix<f64>> = poses.iter().filter_map(block).collect();
