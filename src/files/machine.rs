@@ -20,9 +20,9 @@ pub struct Machine {
     pub path: PathBuf,
     /// The mechanism.
     pub mechanism: Box<dyn Mechanism>,
-    /// The geometry by which the controller turns commanded poses into lengths, if that is another: a calibrated
     /// The mechanism without its effects, where it is mounted and has some.
     pub(super) plain: Option<Box<dyn Mechanism>>,
+    /// The geometry by which the controller turns commanded poses into lengths, if that is another: a calibrated
     /// file keeps the nominal points.
     pub(super) nominal: Option<Box<dyn Mechanism>>,
     /// How its file and its data write poses.

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3, Vector6};
 use crate::identification::error::IdentifyError;
 use crate::identification::problem::start::poses_from_home;
 use crate::measurement::{Dataset, Frames, TargetFrame};
-use crate::mechanism::{Linearization, Mechanism, ParameterRole, characteristic_length, motion_of_point};
+use crate::mechanism::{Linearization, Mechanism, ParameterRole, characteristic_length, motion_of_point, nearest_pose};
 use crate::pose::{Pose, kabsch, rotation_vector};
 use crate::solve::{EvaluationError, LeastSquaresMethod, LeastSquaresOptions, LeastSquaresProblem, least_squares, svd};
 use crate::units::Dimension;
@@ -53,6 +53,8 @@ enum Free {
 const TOLERANCES: f64 = 10.0;
 /// The same for a mechanism without tolerances, as a part of its size.
 const PART_OF_SIZE: f64 = 0.02;
+/// Misfits by more than this part of its size are those of frames in any mechanism.
+const MOST_OF_SIZE: f64 = 0.3;
 /// Misfits up to this many times what the tolerances cause need none either.
 const SPREADS: f64 = 3.0;
 const FEWEST: usize = 3;
@@ -66,8 +68,8 @@ const TRACKER: f64 = 100.0;
 
 /// Finds the frames of the data, if they are not near the base frame and the platform frame already.
 ///
-/// Samples of which neither the pose nor a point is complete, and those that the mechanism does not reach, do not take part;
-/// with fewer than three others the data are taken to be in the base frame.
+/// Samples of which neither the pose nor a point is complete do not take part; with fewer than three others the data are taken
+/// to be in the base frame.
 pub fn register(mechanism: &dyn Mechanism, data: &Dataset) -> Registration {
     register_poses(mechanism, data, &poses_from_home(mechanism, data))
 }
@@ -78,7 +80,7 @@ pub(crate) fn register_poses(
     data: &Dataset,
     poses: &[Result<Pose, IdentifyError>],
 ) -> Registration {
-    let pairs = pairs(data, poses);
+    let pairs = pairs(mechanism, data, poses);
     let unregistered = |before| Registration { frames: Frames::default(), applied: false, before, after: before };
     if pairs.len() < FEWEST || !takes_frames(mechanism) {
         return unregistered(f64::NAN);
@@ -97,7 +99,8 @@ pub(crate) fn register_poses(
         return unregistered(before);
     }
     // Small platforms tilt far for their size: what the tolerances themselves do to the pose is no frame.
-    let near = near.max(SPREADS * spread_by_tolerance(mechanism, &pairs, size));
+    // Near a singularity that is nothing to go by.
+    let near = near.max((SPREADS * spread_by_tolerance(mechanism, &pairs, size)).min(MOST_OF_SIZE * size));
     // Points at unknown places have no meaning in the platform frame until their places are found.
     if (before <= near || closes(mechanism, data)) && target != TargetFrame::Identified {
         return unregistered(before);
@@ -156,16 +159,18 @@ fn takes_frames(mechanism: &dyn Mechanism) -> bool {
     !mechanism.parameters().iter().any(|p| matches!(p.role, ParameterRole::PoseOffset { .. }))
 }
 
-fn pairs(data: &Dataset, poses: &[Result<Pose, IdentifyError>]) -> Vec<Pair> {
+fn pairs(mechanism: &dyn Mechanism, data: &Dataset, poses: &[Result<Pose, IdentifyError>]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for (k, nominal) in poses.iter().enumerate() {
         let (model, index) = data.reading(k);
         let full = model.rigid_pose(index);
         let point = model.point(index).map(|p| (p.position, p.place));
         let Some((point, place)) = full.map(|p| (p.position, Vector3::zeros())).or(point) else { continue };
-        // A sample that the mechanism as it is given does not reach says nothing of the frames yet.
-        let Ok(nominal) = nominal else { continue };
-        pairs.push(Pair { nominal: *nominal, point, place, rotation: full.map(|p| p.rotation) });
+        // A mechanism near a singularity reaches few poses before its errors are known, but it comes near them.
+        let sample = data.sample(k);
+        let near = || nearest_pose(mechanism, &sample.joints, &sample.conditions, &mechanism.home());
+        let Some(nominal) = nominal.as_ref().ok().copied().or_else(near) else { continue };
+        pairs.push(Pair { nominal, point, place, rotation: full.map(|p| p.rotation) });
     }
     // Attitudes are worth more than points: samples without one are left out while enough others have one.
     if pairs.iter().filter(|p| p.rotation.is_some()).count() >= FEWEST {

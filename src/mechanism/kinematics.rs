@@ -216,6 +216,23 @@ fn best_pose(
     }
 }
 
+/// The pose near a seed that misses the closure equations least, for joints that lead to none; a rough one, and no root.
+pub(crate) fn nearest_pose(mechanism: &dyn Mechanism, joints: &[f64], at: &Conditions, seed: &Pose) -> Option<Pose> {
+    let mut work = Linearization::sized_for(mechanism);
+    let mut rows = |joints: &[f64], pose: &Pose| {
+        mechanism.linearize(mechanism.values(), joints, pose, at, &mut work);
+        (work.residual.clone(), work.motion.clone())
+    };
+    let mut problem = ManyRows { rows: &mut rows, joints, seed: *seed, equations: mechanism.equations() };
+    let options = LeastSquaresOptions { max_iterations: 50, ..Default::default() };
+    match least_squares(&mut problem, DVector::zeros(6), LeastSquaresMethod::LevenbergMarquardt, &options) {
+        Ok(LeastSquaresSolution { x, .. }) => Some(x),
+        Err(SolveError::NoConvergence { last, .. }) => Some(last.x),
+        Err(_) => None,
+    }
+    .map(|x| seed.moved(&x.fixed_rows::<6>(0).into_owned()))
+}
+
 /// Forward kinematics from closure equations: `rows` gives the residual (m) and `J₁` (m × 6) for joints and a pose,
 /// `seed_joints` those of the seed.
 ///
