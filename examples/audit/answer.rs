@@ -11,7 +11,7 @@ use crate::effects::conditions;
 use crate::readings::Reading;
 use crate::rigid::{Rigid, angle_between, turn_by};
 use crate::situations::{Flaw, Situation};
-use crate::trial::Trial;
+use crate::trial::{Stand, Trial};
 
 /// A true error that is at most so many times the stated one agrees with it.
 pub(crate) const AGREES: f64 = 1.5;
@@ -35,6 +35,8 @@ pub(crate) struct Answer {
     /// Which of them the readings tell of.
     pub(crate) seen: [bool; 2],
     pub(crate) chance: Option<Chance>,
+    /// How far the library's mechanism with the true values is from where the generator has the true machine, over its size.
+    pub(crate) disagreement: f64,
     /// True if a refused trial calibrates to a good result from the true machine.
     pub(crate) good_from_truth: bool,
     /// What was drawn and what was said.
@@ -43,9 +45,9 @@ pub(crate) struct Answer {
 }
 
 /// Draws a trial and has it calibrated; `None` if none could be drawn.
-pub(crate) fn ask(situation: &Situation, seed: u64, number: usize) -> Option<Answer> {
+pub(crate) fn ask(situation: &Situation, kind: Option<&str>, seed: u64, number: usize) -> Option<Answer> {
     let mut dice = Dice::of(seed, situation.key, number);
-    let trial = Trial::draw(situation, &mut dice)?;
+    let trial = Trial::draw(situation, kind, &mut dice)?;
     let result = calibrated(&trial, &trial.drawing, situation);
     let judged = result.as_ref().ok().map(|result| Judged::of(&trial, result));
     let trusted = result.as_ref().is_ok_and(|r| r.verdict.trusted);
@@ -65,15 +67,32 @@ pub(crate) fn ask(situation: &Situation, seed: u64, number: usize) -> Option<Ans
         (false, _) if good && !situation.is_false() => Mark::RefusedGood,
         (false, _) => Mark::RefusedBad,
     };
+    let ratios = judged.as_ref().and_then(|j| j.ratios);
+    let chance = result.as_ref().ok().zip(ratios).filter(|_| trusted);
+    let chance = chance.and_then(|(result, ratios)| Chance::of(&trial, result, ratios, &mut dice));
     Some(Answer {
         mark,
-        ratios: judged.as_ref().and_then(|j| j.ratios),
+        ratios,
         seen: [trial.reading.sees_position(), trial.reading.sees_rotation()],
-        chance: result.as_ref().ok().filter(|_| trusted).and_then(|r| Chance::of(&trial, r, &mut dice)),
+        chance,
+        disagreement: disagreement(&trial),
         good_from_truth,
         text: trial.text(),
         said: said(&result, judged.as_ref()),
     })
+}
+
+/// Largest difference of poses of the two forms of the true machine for the same joints; infinite if the library has none.
+fn disagreement(trial: &Trial) -> f64 {
+    let Some(truth) = trial.true_mechanism() else { return f64::INFINITY };
+    let apart = |stand: &Stand| {
+        let found = truth.forward(truth.values(), &stand.joints, &conditions(stand.warmer), &stand.pose.pose());
+        found.map_or(f64::INFINITY, |found| {
+            let found = Rigid::of(&found);
+            (found.at - stand.pose.at).norm() / trial.design.size + angle_between(&found.turn, &stand.pose.turn)
+        })
+    };
+    trial.samples.iter().chain(&trial.fresh).map(apart).fold(0.0, f64::max)
 }
 
 /// The mechanism of these values, as a user's file would state it, calibrated with the options of the program.
@@ -204,7 +223,16 @@ impl Trial {
         let plain = kind.build(values, &self.design.home, &self.stated).map_err(|e| format!("the drawing: {e}"))?;
         match &self.effect {
             None => Ok(plain),
-            Some(effect) => effect.around(plain).ok_or_else(|| format!("no effect {}", effect.name())),
+            Some(effect) => effect.around(plain, 0.0).ok_or_else(|| format!("no effect {}", effect.name())),
+        }
+    }
+
+    /// The library's mechanism of the true values, effects included.
+    fn true_mechanism(&self) -> Option<Box<dyn Mechanism>> {
+        let plain = self.design.kind.build(&self.truth, &self.design.home, &self.stated).ok()?;
+        match &self.effect {
+            None => Some(plain),
+            Some(effect) => effect.around(plain, effect.size()),
         }
     }
 }

@@ -16,18 +16,22 @@ const DRAWS: usize = 2000;
 pub(crate) struct Chance {
     /// Probability that one of the two errors exceeds what agrees.
     pub(crate) wrong: f64,
+    /// Probability that one of the two exceeds what was found, if all that is stated is right.
+    pub(crate) probability: f64,
     /// Median of true over stated error, position and rotation.
     pub(crate) medians: [f64; 2],
 }
 
 impl Chance {
-    /// Draws parameters from the covariance of a result, and for each the errors over the fresh poses to first order.
-    pub(crate) fn of(trial: &Trial, result: &Calibration, dice: &mut Dice) -> Option<Self> {
+    /// Draws parameters from the covariance of a result, and for each the errors over the fresh poses to first order; `found`
+    /// are the true errors over the stated ones.
+    pub(crate) fn of(trial: &Trial, result: &Calibration, found: [f64; 2], dice: &mut Dice) -> Option<Self> {
         let stated = result.predicted.as_ref()?;
-        let found = &result.identification;
-        let own = found.own_values();
+        let identified = &result.identification;
+        let own = identified.own_values();
         let carried = trial.data.model().target_motion(&own);
-        let covariance = if carried.is_some() { found.covariance.clone() } else { found.mechanism_covariance() };
+        let covariance =
+            if carried.is_some() { identified.covariance.clone() } else { identified.mechanism_covariance() };
         let root = root(covariance);
         let gains = gains(trial, result, carried.as_ref())?.map(|gain| root.transpose() * gain * &root);
         let mut ratios = [Vec::with_capacity(DRAWS), Vec::with_capacity(DRAWS)];
@@ -39,8 +43,10 @@ impl Chance {
             wrong += usize::from(of.iter().any(|r| *r > AGREES));
             ratios.iter_mut().zip(of).for_each(|(all, ratio)| all.push(ratio));
         }
+        let beyond = |k: usize| ratios[k].iter().filter(|r| **r >= found[k]).count() as f64 / DRAWS as f64;
+        let probability = (2.0 * beyond(0).min(beyond(1))).min(1.0);
         let medians = ratios.map(|mut all| median(&mut all));
-        Some(Self { wrong: wrong as f64 / DRAWS as f64, medians })
+        Some(Self { wrong: wrong as f64 / DRAWS as f64, probability, medians })
     }
 }
 

@@ -51,11 +51,18 @@ impl TrueEffect {
         }
     }
 
-    /// A mechanism with the effect, of size zero.
-    pub(crate) fn around(&self, mechanism: Box<dyn Mechanism>) -> Option<Box<dyn Mechanism>> {
+    /// Its true size.
+    pub(crate) fn size(&self) -> f64 {
+        match self.cause {
+            Cause::Heat(part) | Cause::Scale(part) => part,
+        }
+    }
+
+    /// A mechanism with the effect, of some size.
+    pub(crate) fn around(&self, mechanism: Box<dyn Mechanism>, size: f64) -> Option<Box<dyn Mechanism>> {
         let catalogue = Catalogue::standard();
         let effect = Arc::clone(catalogue.get(self.name())?);
-        let active = ActiveEffect { effect, at: ScanPoint::none(), values: vec![0.0], range: Default::default() };
+        let active = ActiveEffect { effect, at: ScanPoint::none(), values: vec![size], range: Default::default() };
         let environment = Environment {
             reference_temperature: Some(REFERENCE),
             home_joints: Some(self.home.clone()),

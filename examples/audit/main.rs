@@ -11,7 +11,7 @@
 //! model held nothing false.
 //!
 //! Run with `cargo run --release --example audit -- --trials 200`, or with `--only singular,zeros --seed 7 --verbose`;
-//! `--number N` repeats one trial. The same seed gives the same table on any number of threads.
+//! `--number N` repeats one trial, and `--kind linear-delta` draws machines of that kind alone. The same seed gives the same table on any number of threads.
 
 mod answer;
 mod chance;
@@ -40,12 +40,13 @@ struct Options {
     seed: u64,
     only: Vec<String>,
     number: Option<usize>,
+    kind: Option<String>,
     verbose: bool,
 }
 
 impl Options {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
-        let mut options = Self { trials: 200, seed: 1, only: Vec::new(), number: None, verbose: false };
+        let mut options = Self { trials: 200, seed: 1, only: Vec::new(), number: None, kind: None, verbose: false };
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or(format!("{word} needs a value"));
             match word.as_str() {
@@ -53,13 +54,17 @@ impl Options {
                 "--seed" => options.seed = value()?.parse()?,
                 "--only" => options.only.extend(value()?.split(',').map(str::to_owned)),
                 "--number" => options.number = Some(value()?.parse()?),
+                "--kind" => options.kind = Some(value()?),
                 "--verbose" => options.verbose = true,
                 _ => {
                     let keys: Vec<&str> = SITUATIONS.iter().map(|s| s.key).collect();
-                    let usage = "[--trials N] [--seed S] [--only SITUATION,…] [--number N] [--verbose]";
+                    let usage = "[--trials N] [--seed S] [--only SITUATION,…] [--number N] [--kind KIND] [--verbose]";
                     return Err(format!("'{word}' is unknown; {usage}; situations: {}", keys.join(" ")).into());
                 }
             }
+        }
+        if let Some(kind) = options.kind.as_ref().filter(|kind| !machines::KINDS.contains(&kind.as_str())) {
+            return Err(format!("there is no kind '{kind}'; kinds: {}", machines::KINDS.join(" ")).into());
         }
         if let Some(unknown) = options.only.iter().find(|key| SITUATIONS.iter().all(|s| s.key != **key)) {
             return Err(format!("there is no situation '{unknown}'").into());
@@ -78,8 +83,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for situation in SITUATIONS.iter().filter(|situation| options.wants(situation)) {
         let numbers = options.number.map_or(0..options.trials, |number| number..number + 1);
         let started = Instant::now();
-        let answers: Option<Vec<(usize, Answer)>> =
-            numbers.into_par_iter().map(|number| Some((number, ask(situation, options.seed, number)?))).collect();
+        let answers: Option<Vec<(usize, Answer)>> = numbers
+            .into_par_iter()
+            .map(|number| Some((number, ask(situation, options.kind.as_deref(), options.seed, number)?)))
+            .collect();
         let answers = answers.ok_or_else(|| format!("a trial of '{}' could not be drawn", situation.key))?;
         lines.push(report(situation, &answers, started.elapsed().as_secs_f64()));
         if options.verbose || options.number.is_some() {
@@ -92,7 +99,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Columns of the summary.
-const HEAD: [&str; 8] = ["", "right", "wrong", "by chance", "good refused", "bad refused", "position", "rotation"];
+const HEAD: [&str; 9] =
+    ["", "right", "wrong", "by chance", "improbable", "good refused", "bad refused", "position", "rotation"];
 
 /// Prints what became of the trials of a situation, and returns its line of the summary.
 fn report(situation: &Situation, answers: &[(usize, Answer)], seconds: f64) -> Vec<String> {
@@ -102,13 +110,17 @@ fn report(situation: &Situation, answers: &[(usize, Answer)], seconds: f64) -> V
         answers.iter().map(|(_, a)| a).filter(|a| matches!(a.mark, Mark::TrustedRight | Mark::TrustedWrong)).collect();
     let by_chance = trusted.iter().filter_map(|a| a.chance).map(|c| c.wrong).sum::<f64>();
     let by_chance = format!("{:.1} %", 100.0 * by_chance / answers.len().max(1) as f64);
+    let improbable = Rate::of(answers.iter().map(|(_, a)| a.chance.is_some_and(|c| c.probability < IMPROBABLE)));
+    let largest = answers.iter().map(|(_, a)| a.disagreement).fold(0.0, f64::max);
+    println!("    generator and library    {largest:.0e} of the size apart, at most, for the true values");
     let mut line = vec![situation.key.to_owned()];
     for (name, mark) in MARKS {
         println!("    {name:<24} {}", marked(mark).text());
         line.push(marked(mark).short());
         if mark == Mark::TrustedWrong {
             println!("      expected by chance     {by_chance:>7}");
-            line.push(by_chance.clone());
+            println!("      less likely than {IMPROBABLE}  {}", improbable.text());
+            line.extend([by_chance.clone(), improbable.short()]);
         }
     }
     let from_truth = answers.iter().filter(|(_, a)| a.mark == Mark::RefusedBad && a.good_from_truth).count();
@@ -125,6 +137,9 @@ fn report(situation: &Situation, answers: &[(usize, Answer)], seconds: f64) -> V
     line
 }
 
+/// Errors less likely than this under what is stated are not chance.
+const IMPROBABLE: f64 = 1e-3;
+
 const MARKS: [(&str, Mark); 4] = [
     ("trusted and right", Mark::TrustedRight),
     ("trusted and wrong", Mark::TrustedWrong),
@@ -132,11 +147,14 @@ const MARKS: [(&str, Mark); 4] = [
     ("refused, bad", Mark::RefusedBad),
 ];
 
-/// The trials that went wrong, or all.
+/// The trials that went wrong or are improbable, or all.
 fn details(answers: &[(usize, Answer)], all: bool) {
-    for (number, answer) in answers.iter().filter(|(_, a)| all || a.mark != Mark::TrustedRight) {
+    let improbable = |a: &Answer| a.chance.is_some_and(|c| c.probability < IMPROBABLE);
+    let told = |a: &Answer| all || a.mark != Mark::TrustedRight || improbable(a);
+    for (number, answer) in answers.iter().filter(|(_, a)| told(a)) {
         let truth = if answer.good_from_truth { " (good from the truth)" } else { "" };
-        let chance = answer.chance.map_or(String::new(), |c| format!(", by chance {:.3}", c.wrong));
+        let chance =
+            answer.chance.map_or(String::new(), |c| format!(", by chance {:.3}, p {:.1e}", c.wrong, c.probability));
         println!("    {number:>4} {:?}{truth}{chance}: {}\n         {}", answer.mark, answer.text, answer.said);
     }
 }

@@ -42,6 +42,8 @@ pub(crate) struct Trial {
     pub(crate) effect: Option<TrueEffect>,
     pub(crate) noise: Noise,
     pub(crate) data: Dataset,
+    /// The poses that were measured.
+    pub(crate) samples: Vec<Stand>,
     /// Further poses of the true machine, as the instrument would see them without noise.
     pub(crate) fresh: Vec<Stand>,
 }
@@ -53,16 +55,16 @@ struct Seen {
 }
 
 impl Trial {
-    /// A trial of a situation; `None` if no sound machine was found.
-    pub(crate) fn draw(situation: &Situation, dice: &mut Dice) -> Option<Self> {
-        (0..ATTEMPTS).find_map(|_| Self::attempt(situation, dice))
+    /// A trial of a situation, on a machine of this kind; `None` if no sound one was found.
+    pub(crate) fn draw(situation: &Situation, kind: Option<&str>, dice: &mut Dice) -> Option<Self> {
+        (0..ATTEMPTS).find_map(|_| Self::attempt(situation, kind, dice))
     }
 
-    fn attempt(situation: &Situation, dice: &mut Dice) -> Option<Self> {
+    fn attempt(situation: &Situation, kind: Option<&str>, dice: &mut Dice) -> Option<Self> {
         let design = match situation.flaw {
             Flaw::Singular => Design::near_singular(dice),
             Flaw::Extended => Design::hexapod(dice),
-            _ => Design::draw(dice),
+            _ => Design::draw(kind, dice),
         }?;
         let size = design.size;
         let anchor = dice.log_uniform(1e-4, 1e-3) * size;
@@ -110,6 +112,7 @@ impl Trial {
             effect,
             noise,
             data,
+            samples,
             fresh,
         })
     }

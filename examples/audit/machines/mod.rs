@@ -81,6 +81,10 @@ pub(crate) trait Kind: Send + Sync {
     fn build(&self, values: &[f64], home: &Rigid, spread: &Spread) -> Result<Box<dyn Mechanism>, GeometryError>;
 }
 
+/// The kinds, as files of machines call them.
+pub(crate) const KINDS: [&str; 6] =
+    ["six-hardpoint", "rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables", "pose"];
+
 /// A machine as it was designed.
 pub(crate) struct Design {
     pub(crate) kind: Box<dyn Kind>,
@@ -106,15 +110,16 @@ impl Design {
         Self { kind, values, home, half, size, arm, finer: 1.0, carries_frames: true, has_platform: true }
     }
 
-    /// A machine of any kind, most often a hexapod.
-    pub(crate) fn draw(dice: &mut Dice) -> Option<Self> {
-        match dice.pick(&[0.7, 0.08, 0.06, 0.06, 0.06, 0.04]) {
-            0 => hexapod::draw(dice),
-            1 => rotary::draw(dice),
-            2 => delta::draw(dice),
-            3 => tripod::draw(dice),
-            4 => cables::draw(dice),
-            _ => positioner::draw(dice),
+    /// A machine of one kind or of any, most often a hexapod then.
+    pub(crate) fn draw(kind: Option<&str>, dice: &mut Dice) -> Option<Self> {
+        let any = dice.pick(&[0.7, 0.08, 0.06, 0.06, 0.06, 0.04]);
+        match kind.unwrap_or(KINDS[any]) {
+            "rotary-stewart" => rotary::draw(dice),
+            "linear-delta" => delta::draw(dice),
+            "tripod-3rps" => tripod::draw(dice),
+            "planar-cables" => cables::draw(dice),
+            "pose" => positioner::draw(dice),
+            _ => hexapod::draw(dice),
         }
     }
 
