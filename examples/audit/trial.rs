@@ -34,6 +34,8 @@ pub(crate) struct Trial {
     pub(crate) drawing: Vec<f64>,
     /// Stated tolerances.
     pub(crate) stated: Spread,
+    /// What is wrong with the drawing, in words.
+    mistake: String,
     pub(crate) convention: PoseConvention,
     /// Where the base is in the frame of the instrument, and the target on the platform.
     pub(crate) base: Rigid,
@@ -77,11 +79,11 @@ impl Trial {
         let mut truth: Vec<f64> =
             design.values.iter().zip(&parts).map(|(v, part)| v + spread.of(*part) * dice.normal()).collect();
         let mut drawing = design.values.clone();
-        match situation.flaw {
+        let mistake = match situation.flaw {
             Flaw::Zeros => move_zeros(&mut truth, &design, dice)?,
             Flaw::Signs => turn_signs(&mut drawing, &parts, size, dice)?,
-            _ => {}
-        }
+            _ => String::new(),
+        };
         let effect = (situation.flaw == Flaw::Extended).then(|| TrueEffect::draw(&design, dice));
         let convention = convention(&design, dice);
         let reading = Reading::draw(&design, dice);
@@ -107,6 +109,7 @@ impl Trial {
             design,
             truth,
             drawing,
+            mistake,
             convention,
             reading,
             effect,
@@ -136,7 +139,7 @@ impl Trial {
         let effect = self.effect.as_ref().map_or(String::new(), |e| format!(", {}", e.name()));
         format!(
             "{} of {:.2} m, {} x {}, {frame}, pivot {:.2} m, strokes {:.3} m {:.1} deg, tolerance {:.1e} m, noise {:.1e} m \
-             {:.1e} rad{effect}",
+             {:.1e} rad{effect}{}",
             self.design.kind.name(),
             self.design.size,
             self.data.len(),
@@ -147,6 +150,7 @@ impl Trial {
             self.stated.anchor,
             self.noise.position,
             self.noise.rotation,
+            self.mistake,
         )
     }
 }
@@ -200,7 +204,7 @@ fn seen(design: &Design, reading: &Reading, dice: &mut Dice) -> Seen {
 }
 
 /// Zeros of joints that are off by 1 to 50 mm on a machine of 1 m, all alike or each for itself.
-fn move_zeros(truth: &mut [f64], design: &Design, dice: &mut Dice) -> Option<()> {
+fn move_zeros(truth: &mut [f64], design: &Design, dice: &mut Dice) -> Option<String> {
     let common = dice.chance(0.5);
     let size = dice.sign() * dice.log_uniform(1e-3, 50e-3);
     let mut any = false;
@@ -213,11 +217,12 @@ fn move_zeros(truth: &mut [f64], design: &Design, dice: &mut Dice) -> Option<()>
         any = true;
         *value += size * scale * if common { 1.0 } else { dice.uniform(-1.0, 1.0) };
     }
-    any.then_some(())
+    let how = if common { "all" } else { "each at most" };
+    any.then(|| format!(", {how} zeros off by {:.1e} m or {size:.1e} rad", size * design.size))
 }
 
 /// The wrong sign for one coordinate of all points of one body, where that makes a difference.
-fn turn_signs(drawing: &mut [f64], parts: &[Part], size: f64, dice: &mut Dice) -> Option<()> {
+fn turn_signs(drawing: &mut [f64], parts: &[Part], size: f64, dice: &mut Dice) -> Option<String> {
     let axis = dice.count(0, 2);
     let wrong = if dice.chance(0.5) { Part::Platform(axis) } else { Part::Base(axis) };
     let mut farthest = 0.0_f64;
@@ -227,5 +232,5 @@ fn turn_signs(drawing: &mut [f64], parts: &[Part], size: f64, dice: &mut Dice) -
             farthest = farthest.max(value.abs());
         }
     }
-    (farthest > 0.01 * size).then_some(())
+    (farthest > 0.01 * size).then(|| format!(", {wrong:?} with the wrong sign, at most {farthest:.1e} m"))
 }
