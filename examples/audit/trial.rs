@@ -210,7 +210,7 @@ fn move_zeros(truth: &mut [f64], design: &Design, dice: &mut Dice) -> Option<Str
     let mut any = false;
     for (value, part) in truth.iter_mut().zip(design.kind.parts()) {
         let scale = match part {
-            Part::ZeroLength => design.size,
+            Part::ZeroLength | Part::ZeroUnknown => design.size,
             Part::ZeroAngle => 1.0,
             _ => continue,
         };

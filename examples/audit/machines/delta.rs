@@ -8,8 +8,9 @@ use super::{Design, Kind, Part, Spread, on_circle, point};
 use crate::dice::Dice;
 use crate::rigid::Rigid;
 
-/// Per rod: platform point, base point, length.
+/// Per rod: platform point, base point, length; behind all rods the zeros of the carriages.
 const PER_ROD: usize = 7;
+const RODS: usize = 6 * PER_ROD;
 
 /// The rails are vertical.
 struct Delta;
@@ -31,11 +32,12 @@ impl Kind for Delta {
     fn parts(&self) -> Vec<Part> {
         let rod = (0..3).map(Part::Platform).chain((0..3).map(Part::Base)).chain([Part::Length]);
         let rod: Vec<Part> = rod.collect();
-        rod.iter().copied().cycle().take(6 * PER_ROD).collect()
+        rod.iter().copied().cycle().take(RODS).chain([Part::ZeroUnknown; 3]).collect()
     }
 
     fn joints(&self, values: &[f64], pose: &Rigid) -> Option<Vec<f64>> {
-        values.chunks(2 * PER_ROD).map(|pair| Self::carriage(&pair[..PER_ROD], pose)).collect()
+        let carriage = |(pair, zero): (&[f64], &f64)| Some(Self::carriage(&pair[..PER_ROD], pose)? - zero);
+        values[..RODS].chunks(2 * PER_ROD).zip(&values[RODS..]).map(carriage).collect()
     }
 
     fn follows(&self) -> &[usize] {
@@ -48,19 +50,20 @@ impl Kind for Delta {
             let [first, second] = [&pair[..PER_ROD], &pair[PER_ROD..]].map(|rod| Self::carriage(rod, pose));
             first.zip(second).map_or(f64::NAN, |(a, b)| a - b)
         };
-        values.chunks(2 * PER_ROD).map(miss).collect()
+        values[..RODS].chunks(2 * PER_ROD).map(miss).collect()
     }
 
+    /// Where a carriage counts from is a matter of where its rods begin.
     fn build(&self, values: &[f64], home: &Rigid, spread: &Spread) -> Result<Box<dyn Mechanism>, GeometryError> {
         let rod = |(k, v): (usize, &[f64])| Rod {
             platform: point(v, 0),
-            base: point(v, 3),
+            base: point(v, 3) + Vector3::z() * values[RODS + k / 2],
             length: v[6],
             carriage: k / 2,
             rail: Vector3::z(),
             stroke: None,
         };
-        let rods: Vec<Rod> = values.chunks(PER_ROD).enumerate().map(rod).collect();
+        let rods: Vec<Rod> = values[..RODS].chunks(PER_ROD).enumerate().map(rod).collect();
         let tolerances = Tolerances { anchor: spread.anchor, length: spread.length, angle: spread.angle };
         Ok(Box::new(LinearDelta::new("audited delta", &rods, home.pose(), Some(tolerances))?))
     }
@@ -80,6 +83,7 @@ pub(super) fn draw(dice: &mut Dice) -> Option<Design> {
         let b = on_circle(size, degrees, 0.0) + aside;
         values.extend(a.iter().chain(b.iter()).chain([&rod]));
     }
+    values.extend([0.0; 3]);
     let home = Rigid::shifted(Vector3::new(0.0, 0.0, dice.uniform(0.2, 0.8) * size));
     let stroke = dice.log_uniform(0.05, 0.45) * size;
     let half = [stroke, stroke, stroke * dice.uniform(0.5, 1.0), 0.0, 0.0, 0.0];

@@ -28,6 +28,8 @@ pub(crate) enum Part {
     ZeroLength,
     /// The same of a joint that turns, rad.
     ZeroAngle,
+    /// Where a joint counts from, m, in a machine whose parameters have no place for it: nobody tolerates that it is off.
+    ZeroUnknown,
 }
 
 /// Standard deviations of manufacture: of coordinates of points, m, of lengths, m, and of angles, rad.
@@ -48,6 +50,7 @@ impl Spread {
             Part::Platform(_) | Part::Base(_) => self.anchor,
             Part::Length | Part::ZeroLength => self.length,
             Part::Angle | Part::ZeroAngle => self.angle,
+            Part::ZeroUnknown => 0.0,
         }
     }
 }
