@@ -51,21 +51,15 @@ pub(crate) fn ask(situation: &Situation, kind: Option<&str>, seed: u64, number: 
     let result = calibrated(&trial, &trial.drawing, situation);
     let judged = result.as_ref().ok().map(|result| Judged::of(&trial, result));
     let trusted = result.as_ref().is_ok_and(|r| r.verdict.trusted);
-    let good_model = judged.as_ref().is_some_and(|j| j.agrees && j.decides);
-    let from_truth = || {
-        let again = calibrated(&trial, &trial.truth, situation);
-        again.is_ok_and(|result| {
-            let judged = Judged::of(&trial, &result);
-            result.verdict.trusted && judged.agrees && judged.decides
-        })
-    };
-    let good_from_truth = !trusted && !situation.is_false() && !good_model && from_truth();
-    let good = good_model || result.is_err() && good_from_truth;
-    let mark = match (trusted, judged.as_ref().is_some_and(|j| j.agrees)) {
+    let agrees = judged.as_ref().is_some_and(|j| j.agrees);
+    let good = judged.as_ref().is_some_and(|j| j.agrees && j.decides);
+    let good_from_truth = !trusted && !good && !situation.is_false() && is_good_from_truth(&trial, situation);
+    let mark = match (trusted, agrees) {
         (true, true) => Mark::TrustedRight,
         (true, false) => Mark::TrustedWrong,
-        (false, _) if good && !situation.is_false() => Mark::RefusedGood,
-        (false, _) => Mark::RefusedBad,
+        _ if situation.is_false() => Mark::RefusedBad,
+        _ if good || result.is_err() && good_from_truth => Mark::RefusedGood,
+        _ => Mark::RefusedBad,
     };
     let ratios = judged.as_ref().and_then(|j| j.ratios);
     let chance = result.as_ref().ok().zip(ratios).filter(|_| trusted);
@@ -79,6 +73,14 @@ pub(crate) fn ask(situation: &Situation, kind: Option<&str>, seed: u64, number: 
         good_from_truth,
         text: trial.text(),
         said: said(&result, judged.as_ref()),
+    })
+}
+
+/// True if the data decide for whoever knows the machine.
+fn is_good_from_truth(trial: &Trial, situation: &Situation) -> bool {
+    calibrated(trial, &trial.truth, situation).is_ok_and(|result| {
+        let judged = Judged::of(trial, &result);
+        result.verdict.trusted && judged.agrees && judged.decides
     })
 }
 

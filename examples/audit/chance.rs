@@ -1,4 +1,5 @@
-//! What chance alone makes of a stated error: where few directions dominate, one true machine in so many is far out.
+//! What chance alone makes of a stated error: where few directions dominate, one true machine in so many is far out. Errors of
+//! the parameters are taken as normal, which those from noise with heavy tails are not quite.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 use paracal::identification::Calibration;
@@ -30,9 +31,10 @@ impl Chance {
         let identified = &result.identification;
         let own = identified.own_values();
         let carried = trial.data.model().target_motion(&own);
-        let covariance =
-            if carried.is_some() { identified.covariance.clone() } else { identified.mechanism_covariance() };
-        let root = root(covariance);
+        let root = match carried {
+            Some(_) => root(&identified.covariance),
+            None => root(&identified.mechanism_covariance()),
+        };
         let gains = gains(trial, result, carried.as_ref())?.map(|gain| root.transpose() * gain * &root);
         let mut ratios = [Vec::with_capacity(DRAWS), Vec::with_capacity(DRAWS)];
         let mut wrong = 0;
@@ -80,7 +82,7 @@ fn gains(trial: &Trial, result: &Calibration, carried: Option<&DMatrix<f64>>) ->
 }
 
 /// `A` with `A Aᵀ` the covariance.
-fn root(covariance: DMatrix<f64>) -> DMatrix<f64> {
+fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     // In units of its own widths, lest lengths and angles spoil the small eigenvalues.
     let widths: DVector<f64> = covariance.diagonal().map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
     let n = widths.len();

@@ -18,6 +18,7 @@ mod chance;
 mod dice;
 mod effects;
 mod machines;
+mod made;
 mod readings;
 mod rigid;
 mod situations;

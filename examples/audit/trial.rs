@@ -7,7 +7,8 @@ use paracal::pose::{PoseConvention, RotationOrder};
 
 use crate::dice::Dice;
 use crate::effects::TrueEffect;
-use crate::machines::{Design, Part, Spread, settled};
+use crate::machines::{Design, Spread, settled};
+use crate::made::Made;
 use crate::readings::{Campaign, Noise, Reading};
 use crate::rigid::{Rigid, any_turn};
 use crate::situations::{Flaw, Situation};
@@ -68,22 +69,7 @@ impl Trial {
             Flaw::Extended => Design::hexapod(dice),
             _ => Design::draw(kind, dice),
         }?;
-        let size = design.size;
-        let anchor = dice.log_uniform(1e-4, 1e-3) * size;
-        let spread = Spread {
-            anchor,
-            length: anchor * design.finer * dice.log_uniform(0.3, 1.0),
-            angle: dice.log_uniform(1e-4, 3e-3),
-        };
-        let parts = design.kind.parts();
-        let mut truth: Vec<f64> =
-            design.values.iter().zip(&parts).map(|(v, part)| v + spread.of(*part) * dice.normal()).collect();
-        let mut drawing = design.values.clone();
-        let mistake = match situation.flaw {
-            Flaw::Zeros => move_zeros(&mut truth, &design, dice)?,
-            Flaw::Signs => turn_signs(&mut drawing, &parts, size, dice)?,
-            _ => String::new(),
-        };
+        let Made { truth, drawing, spread, mistake } = Made::of(&design, situation, dice)?;
         let effect = (situation.flaw == Flaw::Extended).then(|| TrueEffect::draw(&design, dice));
         let convention = convention(&design, dice);
         let reading = Reading::draw(&design, dice);
@@ -98,9 +84,9 @@ impl Trial {
             _ => Vec::new(),
         };
         let elsewhere = seen.base.at != Vector3::zeros() || seen.target.at != Vector3::zeros();
-        let poses = samples.iter().map(|s| seen.base.then(&s.pose).then(&seen.target)).collect();
         let campaign =
             Campaign { reading: &reading, convention: &convention, noise: &noise, design: &design, gross, elsewhere };
+        let poses = samples.iter().map(|s| seen.base.then(&s.pose).then(&seen.target)).collect();
         let data = campaign.dataset(&samples, poses, dice);
         Some(Self {
             stated: spread.times(situation.tolerance),
@@ -201,36 +187,4 @@ fn seen(design: &Design, reading: &Reading, dice: &mut Dice) -> Seen {
         }
     }
     seen
-}
-
-/// Zeros of joints that are off by 1 to 50 mm on a machine of 1 m, all alike or each for itself.
-fn move_zeros(truth: &mut [f64], design: &Design, dice: &mut Dice) -> Option<String> {
-    let common = dice.chance(0.5);
-    let size = dice.sign() * dice.log_uniform(1e-3, 50e-3);
-    let mut any = false;
-    for (value, part) in truth.iter_mut().zip(design.kind.parts()) {
-        let scale = match part {
-            Part::ZeroLength | Part::ZeroUnknown => design.size,
-            Part::ZeroAngle => 1.0,
-            _ => continue,
-        };
-        any = true;
-        *value += size * scale * if common { 1.0 } else { dice.uniform(-1.0, 1.0) };
-    }
-    let how = if common { "all" } else { "each at most" };
-    any.then(|| format!(", {how} zeros off by {:.1e} m or {size:.1e} rad", size * design.size))
-}
-
-/// The wrong sign for one coordinate of all points of one body, where that makes a difference.
-fn turn_signs(drawing: &mut [f64], parts: &[Part], size: f64, dice: &mut Dice) -> Option<String> {
-    let axis = dice.count(0, 2);
-    let wrong = if dice.chance(0.5) { Part::Platform(axis) } else { Part::Base(axis) };
-    let mut farthest = 0.0_f64;
-    for (value, part) in drawing.iter_mut().zip(parts) {
-        if *part == wrong {
-            *value = -*value;
-            farthest = farthest.max(value.abs());
-        }
-    }
-    (farthest > 0.01 * size).then(|| format!(", {wrong:?} with the wrong sign, at most {farthest:.1e} m"))
 }
