@@ -35,7 +35,8 @@ pub(crate) struct Answer {
     /// Which of them the readings tell of.
     pub(crate) seen: [bool; 2],
     pub(crate) chance: Option<Chance>,
-    /// How far the library's mechanism with the true values is from where the generator has the true machine, over its size.
+    /// How far the library's mechanism with the true values is from where the generator has the true machine, over its
+    /// size.
     pub(crate) disagreement: f64,
     /// True if a refused trial calibrates to a good result from the true machine.
     pub(crate) good_from_truth: bool,
@@ -84,7 +85,8 @@ fn is_good_from_truth(trial: &Trial, situation: &Situation) -> bool {
     })
 }
 
-/// Largest difference of poses of the two forms of the true machine for the same joints; infinite if the library has none.
+/// Largest difference of poses of the two forms of the true machine for the same joints; infinite if the library has
+/// none.
 fn disagreement(trial: &Trial) -> f64 {
     let Some(truth) = trial.true_mechanism() else { return f64::INFINITY };
     let apart = |stand: &Stand| {
@@ -135,8 +137,8 @@ impl Judged {
     }
 }
 
-/// RMS errors of the calibrated mechanism at the fresh poses, in the frame of the measurement and at the pivot of its poses; and
-/// how many it reached only from where they are, instead of from home.
+/// RMS errors of the calibrated mechanism at the fresh poses, in the frame of the measurement and at the pivot of its
+/// poses; and how many it reached only from where they are, instead of from home.
 fn true_errors(trial: &Trial, result: &Calibration) -> ([f64; 2], usize) {
     let gauge = gauge(trial, result);
     let mut squares = [0.0; 2];
@@ -159,9 +161,9 @@ fn true_errors(trial: &Trial, result: &Calibration) -> ([f64; 2], usize) {
     (squares.map(|sum| (sum / trial.fresh.len() as f64).sqrt()), lost)
 }
 
-/// The frame of the targets in that of the calibrated platform. Where the places of the targets are identified the platform by
-/// itself has no place: what is predicted is the motion of the targets, and their frame is the best rigid fit of the true places
-/// to the identified ones.
+/// The frame of the targets in that of the calibrated platform. Where the places of the targets are identified the
+/// platform by itself has no place: what is predicted is the motion of the targets, and their frame is the best rigid
+/// fit of the true places to the identified ones.
 fn gauge(trial: &Trial, result: &Calibration) -> Rigid {
     let Reading::Targets(places, false) = &trial.reading else { return Rigid::identity() };
     let own = result.identification.own_values();

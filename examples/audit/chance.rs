@@ -1,5 +1,5 @@
-//! What chance alone makes of a stated error: where few directions dominate, one true machine in so many is far out. Errors of
-//! the parameters are taken as normal, which those from noise with heavy tails are not quite.
+//! What chance alone makes of a stated error: where few directions dominate, one true machine in so many is far out.
+//! Errors of the parameters are taken as normal, which those from noise with heavy tails are not quite.
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 use paracal::identification::Calibration;
@@ -24,8 +24,8 @@ pub(crate) struct Chance {
 }
 
 impl Chance {
-    /// Draws parameters from the covariance of a result, and for each the errors over the fresh poses to first order; `found`
-    /// are the true errors over the stated ones.
+    /// Draws parameters from the covariance of a result, and for each the errors over the fresh poses to first order;
+    /// `found` are the true errors over the stated ones.
     pub(crate) fn of(trial: &Trial, result: &Calibration, found: [f64; 2], dice: &mut Dice) -> Option<Self> {
         let stated = result.predicted.as_ref()?;
         let identified = &result.identification;

@@ -10,7 +10,8 @@ use rand::{RngExt, SeedableRng};
 pub(crate) struct Dice(ChaCha8Rng);
 
 impl Dice {
-    /// The draws of trial `number` of a situation; those of another trial, situation or seed have nothing to do with them.
+    /// The draws of trial `number` of a situation; those of another trial, situation or seed have nothing to do with
+    /// them.
     pub(crate) fn of(seed: u64, situation: &str, number: usize) -> Self {
         let mut mixed = 0xcbf2_9ce4_8422_2325_u64 ^ seed;
         for byte in situation.bytes().chain(number.to_le_bytes()) {

@@ -1,17 +1,19 @@
 //! An audit of the word "trusted": machines with known errors in, rates with their 95 % intervals out.
 //!
-//! Each trial draws a machine, how it differs from its drawing, a frame, a way of measuring and a campaign, by a generator that
-//! shares no equation with the library. The library calibrates it, and what it states of the error over the workspace is
-//! compared with the error at a hundred further exact poses. A result is right if position and rotation are both within 1.5
-//! times of what is stated. Where few directions dominate an error, chance alone exceeds that now and then: how often it should
-//! is computed for each trial from its covariance, and printed beside the rate that was found.
+//! Each trial draws a machine, how it differs from its drawing, a frame, a way of measuring and a campaign, by a
+//! generator that shares no equation with the library. The library calibrates it, and what it states of the error over
+//! the workspace is compared with the error at a hundred further exact poses. A result is right if position and
+//! rotation are both within 1.5 times of what is stated. Where few directions dominate an error, chance alone exceeds
+//! that now and then: how often it should is computed for each trial from its covariance, and printed beside the rate
+//! that was found.
 //!
-//! A refusal counts as one of good data if the model that comes with it is right and leaves less than half of the error of the
-//! drawing or, where there is no result at all, if the same data calibrate to such a result from the true machine; and if the
-//! model held nothing false.
+//! A refusal counts as one of good data if the model that comes with it is right and leaves less than half of the error
+//! of the drawing or, where there is no result at all, if the same data calibrate to such a result from the true
+//! machine; and if the model held nothing false.
 //!
 //! Run with `cargo run --release --example audit -- --trials 200`, or with `--only singular,zeros --seed 7 --verbose`;
-//! `--number N` repeats one trial, and `--kind linear-delta` draws machines of that kind alone. The same seed gives the same table on any number of threads.
+//! `--number N` repeats one trial, and `--kind linear-delta` draws machines of that kind alone. The same seed gives the
+//! same table on any number of threads.
 
 mod answer;
 mod chance;

@@ -194,8 +194,8 @@ impl Campaign<'_> {
         Dataset::new(samples.iter().enumerate().map(sample).collect(), model, noise.stated)
     }
 
-    /// Six numbers with noise: of each angle as it is written or, where all three are measured in any frame, of the attitude,
-    /// as the angles may be near their singularity there.
+    /// Six numbers with noise: of each angle as it is written or, where all three are measured in any frame, of the
+    /// attitude, as the angles may be near their singularity there.
     fn coordinates(&self, pose: &Rigid, measured: &[bool; 6], dice: &mut Dice) -> [f64; 6] {
         let noise = self.noise;
         let shift = noise.shift(dice);

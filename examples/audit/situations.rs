@@ -52,8 +52,8 @@ impl Situation {
         Self::new(key, title, Flaw::Gross { rows, robust })
     }
 
-    /// True if the model holds something false, so that a refusal is right whatever the data decide. Tolerances and zeros of
-    /// joints are not held against the data, and gross rows are left to the robust identifier.
+    /// True if the model holds something false, so that a refusal is right whatever the data decide. Tolerances and
+    /// zeros of joints are not held against the data, and gross rows are left to the robust identifier.
     pub(crate) fn is_false(&self) -> bool {
         self.noise > 1.0 || matches!(self.flaw, Flaw::Signs | Flaw::Gross { robust: false, .. })
     }

@@ -124,10 +124,11 @@ impl Trial {
         let half = self.design.half;
         let effect = self.effect.as_ref().map_or(String::new(), |e| format!(", {}", e.name()));
         format!(
-            "{} of {:.2} m, {} x {}, {frame}, pivot {:.2} m, strokes {:.3} m {:.1} deg, tolerance {:.1e} m, noise {:.1e} m \
-             {:.1e} rad{effect}{}",
+            "{} of {:.2} m, platform {:.2} m, {} x {}, {frame}, pivot {:.2} m, strokes {:.3} m {:.1} deg, \
+             tolerance {:.1e} m, noise {:.1e} m {:.1e} rad{effect}{}",
             self.design.kind.name(),
             self.design.size,
+            self.design.arm,
             self.data.len(),
             self.reading.name(),
             self.convention.pivot.norm(),
@@ -171,8 +172,8 @@ fn convention(design: &Design, dice: &mut Dice) -> PoseConvention {
     PoseConvention { order, pivot }
 }
 
-/// Instrument and target: in the frames of the drawing, elsewhere, or one of them. A target that is known by its places on the
-/// platform has none of its own, and one of which no attitude is measured is not turned.
+/// Instrument and target: in the frames of the drawing, elsewhere, or one of them. A target that is known by its places
+/// on the platform has none of its own, and one of which no attitude is measured is not turned.
 fn seen(design: &Design, reading: &Reading, dice: &mut Dice) -> Seen {
     let choice = if design.carries_frames && reading.registers() { dice.pick(&[0.4, 0.2, 0.05, 0.35]) } else { 0 };
     let (tracker, target) = (choice == 1 || choice == 3, (choice == 2 || choice == 3) && reading.has_target_frame());

@@ -94,8 +94,8 @@ pub(super) fn draw_near_singular(dice: &mut Dice) -> Option<Design> {
     })
 }
 
-/// The machine of these angles, if the design is sound: `accepted` gets the least that it is held over the workspace, and
-/// how well it is held at home.
+/// The machine of these angles, if the design is sound: `accepted` gets the least that it is held over the workspace,
+/// and how well it is held at home.
 fn made(
     dice: &mut Dice,
     [base_half, platform_half]: [f64; 2],

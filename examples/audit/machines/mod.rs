@@ -28,7 +28,8 @@ pub(crate) enum Part {
     ZeroLength,
     /// The same of a joint that turns, rad.
     ZeroAngle,
-    /// Where a joint counts from, m, in a machine whose parameters have no place for it: nobody tolerates that it is off.
+    /// Where a joint counts from, m, in a machine whose parameters have no place for it: nobody tolerates that it is
+    /// off.
     ZeroUnknown,
 }
 
