@@ -111,7 +111,7 @@ fn report(situation: &Situation, answers: &[(usize, Answer)], seconds: f64) -> V
     let marked = |mark: Mark| Rate::of(answers.iter().map(|(_, a)| a.mark == mark));
     let trusted: Vec<&Answer> =
         answers.iter().map(|(_, a)| a).filter(|a| matches!(a.mark, Mark::TrustedRight | Mark::TrustedWrong)).collect();
-    let by_chance = trusted.iter().filter_map(|a| a.chance).map(|c| c.wrong).sum::<f64>();
+    let by_chance = trusted.iter().filter_map(|a| a.chance).map(|c| c.wrong).fold(0.0, |sum, wrong| sum + wrong);
     let by_chance = format!("{:.1} %", 100.0 * by_chance / answers.len().max(1) as f64);
     let improbable = Rate::of(answers.iter().map(|(_, a)| a.chance.is_some_and(|c| c.probability < IMPROBABLE)));
     let largest = answers.iter().map(|(_, a)| a.disagreement).fold(0.0, f64::max);
