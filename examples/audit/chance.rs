@@ -1,7 +1,7 @@
 //! What chance alone makes of a stated error: where few directions dominate, one true machine in so many is far out.
 //! Errors of the parameters are taken as normal, which those from noise with heavy tails are not quite.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 use paracal::identification::Calibration;
 use paracal::mechanism::motion_of_point;
 
@@ -29,13 +29,12 @@ impl Chance {
     pub(crate) fn of(trial: &Trial, result: &Calibration, found: [f64; 2], dice: &mut Dice) -> Option<Self> {
         let stated = result.predicted.as_ref()?;
         let identified = &result.identification;
-        let own = identified.own_values();
-        let carried = trial.data.model().target_motion(&own);
-        let root = match carried {
-            Some(_) => root(&identified.covariance),
-            None => root(&identified.mechanism_covariance()),
+        let gains = gains(trial, result)?;
+        let root = match gains[0].ncols() == identified.covariance.ncols() {
+            true => root(&identified.covariance),
+            false => root(&identified.mechanism_covariance()),
         };
-        let gains = gains(trial, result, carried.as_ref())?.map(|gain| root.transpose() * gain * &root);
+        let gains = gains.map(|gain| root.transpose() * gain * &root);
         let mut ratios = [Vec::with_capacity(DRAWS), Vec::with_capacity(DRAWS)];
         let mut wrong = 0;
         for _ in 0..DRAWS {
@@ -52,33 +51,39 @@ impl Chance {
     }
 }
 
-/// Mean over the fresh poses of `JᵀJ` for the position of the pivot and for the rotation.
-fn gains(trial: &Trial, result: &Calibration, carried: Option<&DMatrix<f64>>) -> Option<[DMatrix<f64>; 2]> {
+/// Mean over the fresh poses of `JᵀJ` for the position of the pivot and for the rotation; of all parameters where those of the
+/// measurement say where the targets sit, and else of those of the mechanism.
+fn gains(trial: &Trial, result: &Calibration) -> Option<[DMatrix<f64>; 2]> {
     let values = result.identification.mechanism_values();
     let drawing = trial.mechanism(&trial.drawing).ok()?;
     let aligned = drawing.with_values(&values, drawing.home()).ok()?;
-    let pivot = Rigid::of(&result.registration.frames.target).place(&trial.convention.pivot);
+    let frames = &result.registration.frames;
+    let pivot = Rigid::of(&frames.target).place(&trial.convention.pivot);
+    let own = result.identification.own_values();
     let n = values.len();
-    let own = carried.map_or(0, DMatrix::ncols);
-    let mut gains = [DMatrix::zeros(n + own, n + own), DMatrix::zeros(n + own, n + own)];
+    let mut gains: Option<[DMatrix<f64>; 2]> = None;
     for stand in &trial.fresh {
-        let mut block = DMatrix::zeros(6, n + own);
-        block.columns_mut(0, n).copy_from(&motion_of_point(aligned.as_ref(), &stand.pose.pose(), &pivot).ok()?);
-        if let Some(carried) = carried {
-            // A small motion of the targets' frame on the platform, as it moves the pivot.
-            let mut along = DMatrix::zeros(6, 6);
-            along.view_mut((0, 0), (3, 3)).copy_from(&stand.pose.turn);
-            let lever: Matrix3<f64> = -stand.pose.turn * pivot.cross_matrix();
-            along.view_mut((0, 3), (3, 3)).copy_from(&lever);
-            along.view_mut((3, 3), (3, 3)).copy_from(&stand.pose.turn);
-            block.columns_mut(n, own).copy_from(&(along * carried));
+        let pose = stand.pose.pose();
+        let mut block = motion_of_point(aligned.as_ref(), &pose, &pivot).ok()?;
+        if let Some(mut motion) = trial.data.model().platform_motion(&own, &pose, frames) {
+            // The platform's motion, as it moves the pivot.
+            let lever = stand.pose.turn * pivot;
+            for mut column in motion.column_iter_mut() {
+                let turn = Vector3::new(column[3], column[4], column[5]);
+                let shift = turn.cross(&lever);
+                (0..3).for_each(|k| column[k] += shift[k]);
+            }
+            block = block.resize_horizontally(n + motion.ncols(), 0.0);
+            block.columns_mut(n, motion.ncols()).copy_from(&motion);
         }
-        for (k, gain) in gains.iter_mut().enumerate() {
+        let size = block.ncols();
+        let sums = gains.get_or_insert_with(|| [DMatrix::zeros(size, size), DMatrix::zeros(size, size)]);
+        for (k, sum) in sums.iter_mut().enumerate() {
             let rows = block.rows(3 * k, 3);
-            *gain += rows.transpose() * rows / trial.fresh.len() as f64;
+            *sum += rows.transpose() * rows / trial.fresh.len() as f64;
         }
     }
-    Some(gains)
+    gains
 }
 
 /// `A` with `A Aᵀ` the covariance.

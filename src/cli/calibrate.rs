@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::files::{CsvTable, Machine, Measurement, number};
+use crate::files::{CalibrationSection, CsvTable, Machine, Measurement, number};
 use crate::identification::{
     Calibration, CalibrationOptions, Holdout, IDENTIFIERS, Identifier, IdentifyError, LeastSquares, Loss, PriorPolicy,
     Robust, Weights, calibrate, deviations, identifier,
@@ -16,7 +16,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use serde_json::Value;
 
-use crate::cli::common::{about, page_subject, settings, verdict};
+use crate::cli::common::{Frame, about, page_subject, settings, sha256, verdict};
 use crate::cli::ui::Ui;
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -74,6 +74,9 @@ pub(crate) struct Args {
     /// Fraction of the rows to hold out (0 to 1), or a second measurement file; 5 folds if absent.
     #[arg(long, value_name = "PART|FILE")]
     holdout: Option<String>,
+    /// Frame of the model and of the poses in the data.
+    #[arg(long, value_enum, default_value = "measurement")]
+    frame: Frame,
     /// Loss of the robust identifier.
     #[arg(long, value_enum, default_value = "tukey")]
     loss: LossChoice,
@@ -103,7 +106,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let inputs = [Some(&args.mechanism), Some(&args.data), second.as_ref()];
     let wanted = [&args.output, &args.covariance, &args.report].into_iter().flatten();
     let mut outputs = ui.outputs(inputs.into_iter().flatten(), wanted)?;
-    let mut machine = ui.machine(&args.mechanism)?;
+    let mut machine = ui.machine_in(&args.mechanism, args.frame)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     ui.not_used(&measurement);
@@ -143,8 +146,13 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         })?;
     progress.finish_and_clear();
 
-    let document = machine.calibrated_document(&result, &measurement)?;
+    let mut document = machine.calibrated_document(&result, &measurement)?;
     result.compare_with_written(machine.errors_as_written(&document, &measurement));
+    document.calibration = Some(CalibrationSection {
+        data_sha256: sha256(&args.data),
+        drawing_sha256: sha256(&args.mechanism),
+        ..CalibrationSection::of_calibration(&result, &machine)
+    });
     let written = args.output.as_ref().map(|path| outputs.add_mechanism(path, &document)).transpose()?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;

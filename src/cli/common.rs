@@ -12,7 +12,18 @@ use crate::mechanism::{ForwardQuery, Mechanism};
 use crate::report::html;
 use crate::units::Dimension;
 use anyhow::anyhow;
+use clap::ValueEnum;
 use sha2::{Digest, Sha256};
+
+/// The frame in which a model is taken, and in which the poses of its data are meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Frame {
+    /// That of the measurement which the model was made from.
+    #[default]
+    Measurement,
+    /// That of the base, as in the drawing.
+    Base,
+}
 
 /// Exit code of a result that must not be trusted.
 const UNTRUSTED: u8 = 3;
@@ -104,6 +115,12 @@ pub(crate) fn settings<P: AsRef<Path>>(
         settings.push((path.display().to_string(), said));
     }
     settings
+}
+
+/// SHA-256 of a file, if it is a regular one: a pipe was read already and cannot be read again.
+pub(crate) fn sha256(path: &Path) -> Option<String> {
+    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    Some(hexadecimal(&Sha256::digest(std::fs::read(path).ok()?)))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

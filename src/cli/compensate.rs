@@ -11,7 +11,7 @@ use crate::units::{Dimension, shortened};
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
-use crate::cli::common::{joint_noun, verdict};
+use crate::cli::common::{Frame, joint_noun, verdict};
 use crate::cli::guard::Guard;
 use crate::cli::ui::Ui;
 use crate::files::{JointsAndPose, joints_and_poses};
@@ -31,6 +31,9 @@ pub(crate) struct Args {
     /// The poses are meant as the instrument sees them: the sag of its frame is compensated too.
     #[arg(long)]
     in_tracker_frame: bool,
+    /// Frame of the model and of the poses in the data.
+    #[arg(long, value_enum, default_value = "measurement")]
+    frame: Frame,
     /// Command by a model whose file says that its calibration must not be trusted.
     #[arg(long)]
     force: bool,
@@ -38,7 +41,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut outputs = ui.outputs([&args.mechanism, &args.poses], [&args.output])?;
-    let mut machine = ui.machine(&args.mechanism)?;
+    let mut machine = ui.machine_in(&args.mechanism, args.frame)?;
     outputs.protect(machine.inputs());
     check_trust(&machine, args.force)?;
     let list = read_pose_list(&args.poses, &machine)?;
@@ -74,7 +77,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let noun = joint_noun(mechanism);
     let used: Vec<String> = compensator.compensated().map(ActiveEffect::label).collect();
     let with = if used.is_empty() { String::new() } else { format!(" with {}", used.join(", ")) };
-    let comment = format!("{noun} to command for {}{with}", mechanism.name());
+    let by = machine.document().calibration.as_ref().map_or_else(String::new, |c| format!("; by a {}", c.in_words()));
+    let comment = format!("{noun} to command for {}{with}{by}", mechanism.name());
     let mut table = joints_and_poses(&machine, comment, &table_rows);
     if !guard.is_clear() {
         table.append(&guard.column());

@@ -8,8 +8,9 @@ use crate::report::{html, json, text};
 use anyhow::{Context, Result};
 
 use crate::cli::case::CaseArgs;
-use crate::cli::common::{page_subject, settings, verdict};
+use crate::cli::common::{page_subject, settings, sha256, verdict};
 use crate::cli::ui::Ui;
+use crate::files::CalibrationSection;
 
 /// Arguments of `diagnose`.
 #[derive(clap::Args)]
@@ -43,7 +44,12 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         if found.verdict == Verdict::Misread {
             ui.warn(&format!("{} is not written: the data were misread", path.display()));
         } else {
-            let document = machine.extended_document(&found).context("the extended model")?;
+            let mut document = machine.extended_document(&found).context("the extended model")?;
+            document.calibration = Some(CalibrationSection {
+                data_sha256: sha256(&args.case.data),
+                drawing_sha256: sha256(&args.case.mechanism),
+                ..CalibrationSection::of_diagnosis(&found, machine, data.len())
+            });
             let written = outputs.add_mechanism(path, &document)?;
             written.warnings.iter().for_each(|w| ui.warn(w));
         }

@@ -8,7 +8,7 @@ use crate::report::html::{self, Measured, ModelResiduals};
 use crate::report::{json, text};
 use anyhow::Result;
 
-use crate::cli::common::{about, page_subject, settings};
+use crate::cli::common::{Frame, about, page_subject, settings};
 use crate::cli::ui::Ui;
 
 /// Arguments of `evaluate`.
@@ -19,6 +19,9 @@ pub(crate) struct Args {
     mechanism: PathBuf,
     /// Measurement file.
     data: PathBuf,
+    /// Frame of the model and of the poses in the data.
+    #[arg(long, value_enum, default_value = "measurement")]
+    frame: Frame,
     /// HTML page to write: the errors as charts.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -29,7 +32,7 @@ const OTHER_FRAME: f64 = 0.05;
 
 pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     let mut outputs = ui.outputs([&args.mechanism, &args.data], &args.report)?;
-    let mut machine = ui.machine(&args.mechanism)?;
+    let mut machine = ui.machine_in(&args.mechanism, args.frame)?;
     outputs.protect(machine.inputs());
     let measurement = ui.measurement(&args.data, &machine)?;
     ui.not_used(&measurement);

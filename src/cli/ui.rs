@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
+use crate::cli::common::Frame;
 use crate::files::{Machine, Measurement, Outputs, ReadOptions, read_measurement};
 use crate::measurement::Dataset;
 use anstyle::{AnsiColor, Style};
@@ -116,6 +117,15 @@ impl Ui {
         let machine = Machine::read_with(path, &self.reading)?;
         machine.warnings.iter().for_each(|w| self.warn(w));
         Ok(machine)
+    }
+
+    /// Reads a mechanism file and takes the model in a frame.
+    pub(crate) fn machine_in(&self, path: &Path, frame: Frame) -> Result<Machine> {
+        let machine = self.machine(path)?;
+        match frame {
+            Frame::Measurement => Ok(machine),
+            Frame::Base => Ok(machine.in_base_frame()?),
+        }
     }
 
     /// Names the columns of a measurement file that a command without a search for causes does not read.

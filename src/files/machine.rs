@@ -116,6 +116,12 @@ impl Machine {
         ))
     }
 
+    /// True if its file says so, or seems to: poses are those of the measurement that it was made from.
+    pub(super) fn is_in_frame_of_measurement(&self) -> bool {
+        let stated = self.document.calibration.as_ref().and_then(|c| c.frame.as_deref());
+        stated.map_or_else(|| self.is_seen_from_elsewhere(), |frame| frame == "measurement")
+    }
+
     /// True if its poses are those of an instrument that stands elsewhere, or of a target that sits elsewhere. The workspace,
     /// a box along the axes of the drawing, then only says how large the moves are.
     pub fn is_seen_from_elsewhere(&self) -> bool {

@@ -7,6 +7,7 @@
 //!
 //! Errors name the file, the place in it, the value and what to do ([`FileError`]).
 
+mod base_frame;
 mod error;
 mod finding;
 mod format;

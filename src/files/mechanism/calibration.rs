@@ -4,8 +4,15 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::diagnosis::{Diagnosis, Verdict};
+use crate::files::machine::Machine;
 use crate::files::mechanism::toml_text::{line, list, quoted};
 use crate::files::table::writer::number;
+use crate::identification::Calibration;
+use crate::observability::PredictedError;
+
+/// Name and version of the program.
+const PROGRAM: &str = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
 
 /// `[calibration]` of a written mechanism file; all keys are optional.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -40,6 +47,58 @@ pub struct CalibrationSection {
 }
 
 impl CalibrationSection {
+    /// What a calibration of a `machine` with so many data rows says of the file that is made of it.
+    pub fn of_calibration(result: &Calibration, machine: &Machine) -> Self {
+        let elsewhere = result.registration.applied || machine.is_in_frame_of_measurement();
+        let predicted = result.predicted.as_ref().filter(|_| result.verdict.trusted);
+        let keys = |p: &PredictedError| {
+            [("position_m", p.position_rms), ("rotation_rad", p.rotation_rms)].map(|(k, v)| (k.to_owned(), v))
+        };
+        Self {
+            program: Some(PROGRAM.into()),
+            rows: Some(result.identification.poses.len()),
+            frame: Some(if elsewhere { "measurement" } else { "base" }.into()),
+            trusted: Some(result.verdict.trusted),
+            reasons: result.verdict.reasons.clone(),
+            noise_scale: result.identification.misfit.scale(),
+            predicted: predicted.map(keys).into_iter().flatten().collect(),
+            ..Self::default()
+        }
+    }
+
+    /// What a diagnosis of a `machine` with so many data rows says of the extended file; it predicts no errors.
+    pub fn of_diagnosis(found: &Diagnosis, machine: &Machine, rows: usize) -> Self {
+        let elsewhere = !found.frames.is_identity() || machine.is_in_frame_of_measurement();
+        let reasons = match found.verdict {
+            Verdict::Unknown => vec!["the diagnosis found something that no effect of the model explains".to_owned()],
+            _ => Vec::new(),
+        };
+        Self {
+            program: Some(PROGRAM.into()),
+            rows: Some(rows),
+            frame: Some(if elsewhere { "measurement" } else { "base" }.into()),
+            trusted: Some(reasons.is_empty()),
+            reasons,
+            ..Self::default()
+        }
+    }
+
+    /// What the file is, in the words of a comment.
+    pub fn in_words(&self) -> String {
+        let rows = self.rows.map_or_else(String::new, |rows| format!(" from {rows} data rows"));
+        let frame = match self.frame.as_deref() {
+            Some("measurement") => ", in the frame of the measurement",
+            Some("base") => ", in the frame of the base",
+            _ => "",
+        };
+        let trusted = match self.trusted {
+            Some(true) => ", trusted",
+            Some(false) => ", NOT to be trusted",
+            None => "",
+        };
+        format!("model{rows}{frame}{trusted}")
+    }
+
     pub(super) fn to_text(&self) -> String {
         let text = |key: &str, value: &Option<String>| line(key, value.as_ref().map(|v| quoted(v)));
         let strings = |key: &str, values: &[String]| {

@@ -13,7 +13,11 @@ use crate::pose::RotationOrder;
 impl MechanismDocument {
     /// The file's text; the same sections in the same order as the format describes them.
     pub fn to_text(&self) -> String {
-        self.keys() + &self.geometry() + &self.measurement()
+        let comment = self
+            .calibration
+            .as_ref()
+            .map_or_else(String::new, |c| format!("# Calibrated or extended {}; see [calibration].\n", c.in_words()));
+        comment + &self.keys() + &self.geometry() + &self.measurement()
     }
 
     /// The keys before the first section.
