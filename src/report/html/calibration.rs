@@ -8,7 +8,7 @@ use crate::identification::{Calibration, ErrorSummary, ModelErrors, SampleError}
 use crate::measurement::DataRow;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
 use crate::report::text;
-use crate::units::{shortened, show_angle, show_length};
+use crate::units::{Dimension, shortened, show_angle, show_length};
 
 /// Advice for a calibration that can be trusted.
 const NEXT: &str = "compute commands with the calibrated file (`paracal compensate`), and run `paracal diagnose` to \
@@ -64,7 +64,7 @@ fn parameters(c: &Calibration) -> Vec<Part> {
         parts.push(Part::Text(
             "Deviations are those of the machine, in the base frame and the platform frame of the mechanism file: the rigid \
              motions of base and platform, which say where tracker and target were, are taken out of the points and listed \
-             under Frames. The calibrated file has the same machine in the frames of the measurement."
+             under Frames, as are the offsets of the legs. The calibrated file has the same machine in the frames of the measurement."
                 .into(),
         ));
     }
@@ -175,6 +175,12 @@ fn convergence(c: &Calibration) -> Figure {
     };
     let costs = history.iter().enumerate().map(|(k, h)| [k as f64 + first, h.cost]).collect();
     let steps = history.iter().enumerate().map(|(k, h)| [k as f64 + first, 1e3 * h.step]).collect();
+    let are = |wanted: &[Dimension]| c.parameters.iter().all(|p| wanted.contains(&p.spec.dimension));
+    let unit = match () {
+        () if are(&[Dimension::Length]) => "mm",
+        () if are(&[Dimension::Length, Dimension::Angle]) => "mm or mrad",
+        () => "thousandths of the SI unit",
+    };
     let panel = |label: &str, points: Vec<[f64; 2]>| Panel {
         x: x.clone(),
         y: Axis::log(label),
@@ -185,6 +191,6 @@ fn convergence(c: &Calibration) -> Figure {
         title: "Convergence".into(),
         description: "Half the sum of squares and largest step after each iteration, on logarithmic axes.".into(),
         columns: 2,
-        panels: vec![panel("half the sum of squares", costs), panel("largest step (1e-3 SI)", steps)],
+        panels: vec![panel("half the sum of squares", costs), panel(&format!("largest step ({unit})"), steps)],
     }
 }

@@ -42,7 +42,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     }
     if !d.causes.is_empty() {
         let parts = vec![
-            Part::Table(CAUSES.to_vec(), d.causes.iter().map(cause_row).collect()),
+            with_content(&CAUSES, &d.causes.iter().map(cause_row).collect::<Vec<_>>()),
             Part::picture(added_variable(&d.causes)),
             Part::picture(sizes(d)),
         ];
@@ -185,6 +185,15 @@ fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
 
 const CAUSES: [&str; 7] =
     ["cause", "leg", "parameters", "evidence, nats", "p", "relative to its limit", "not excluded"];
+
+/// A table without the columns in which no row has anything.
+fn with_content(header: &[&'static str], rows: &[Vec<String>]) -> Part {
+    let filled = |k: &usize| rows.iter().any(|row| row.get(*k).is_some_and(|cell| !cell.is_empty()));
+    let kept: Vec<usize> = (0..header.len()).filter(filled).collect();
+    let row = |row: &Vec<String>| kept.iter().filter_map(|k| row.get(*k).cloned()).collect();
+    let header = kept.iter().filter_map(|k| header.get(*k).copied()).collect();
+    Part::Table(header, rows.iter().map(row).collect())
+}
 
 fn cause_row(c: &Cause) -> Vec<String> {
     let values = c.parameters.iter().map(|p| {

@@ -68,9 +68,18 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
         verdict: format!("{} poses to measure: {sure}.", r.poses.len() - s.given),
         tone: if good { Tone::Good } else { Tone::Mind },
         numbers: numbers.into_iter().flatten().collect(),
-        lead: subject.lead(vec![format!("What to do: {}.", text::next_step(s))]),
+        lead: subject.lead(vec![advice(&text::next_step(s))]),
         sections,
         settings: subject.settings.clone(),
+    }
+}
+
+/// The next step as the advice of a page.
+fn advice(step: &str) -> String {
+    let Some(measure) = step.strip_prefix("Measure") else { return step.to_owned() };
+    match measure.split_once(", then: ") {
+        Some((poses, command)) => format!("What to do: measure{poses}, then run `{command}`."),
+        None => format!("What to do: measure{measure}."),
     }
 }
 

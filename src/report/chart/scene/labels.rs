@@ -152,7 +152,11 @@ pub(super) fn draw(canvas: &mut Canvas, scene: &Scene, stage: &Stage, obstacles:
         let label = shorten(arrow.label.trim(), FRAME.size, LONGEST_OF_ARROW);
         if !label.is_empty() {
             let along = [head.px[0] - foot.px[0], head.px[1] - foot.px[1]];
-            places.put(&FRAME, &label, around(head.px, along, half(&FRAME, &label)));
+            // Where there is no room beyond the head, the label stands beside the arrow and not on it.
+            let half = half(&FRAME, &label);
+            let part = |s: f64| [foot.px[0] + s * along[0], foot.px[1] + s * along[1]];
+            let beside = [0.5, 0.0].into_iter().flat_map(|s| around(part(s), [along[1], -along[0]], half));
+            places.put(&FRAME, &label, around(head.px, along, half).into_iter().chain(beside));
         }
     }
 }
