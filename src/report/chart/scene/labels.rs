@@ -12,6 +12,8 @@ const AXIS: Font = Font::new(12.0, "h", Anchor::Middle);
 /// Longest label in pixels, and that of an arrow.
 const LONGEST: f64 = 150.0;
 const LONGEST_OF_ARROW: f64 = 240.0;
+/// Harm of a label on its own arrow, besides that on any arrow.
+const OWN: f64 = 3.0;
 
 /// A line on the picture with the weight of the harm that a label on it does.
 #[derive(Clone, Copy, Debug)]
@@ -153,6 +155,7 @@ pub(super) fn draw(canvas: &mut Canvas, scene: &Scene, stage: &Stage, obstacles:
         if !label.is_empty() {
             let along = [head.px[0] - foot.px[0], head.px[1] - foot.px[1]];
             // Where there is no room beyond the head, the label stands beside the arrow and not on it.
+            places.obstacles.push(Obstacle::new(&foot, &head, OWN));
             let half = half(&FRAME, &label);
             let part = |s: f64| [foot.px[0] + s * along[0], foot.px[1] + s * along[1]];
             let beside = [0.5, 0.0].into_iter().flat_map(|s| around(part(s), [along[1], -along[0]], half));
