@@ -17,6 +17,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     let title = subject.mechanism.name();
     let tone = match d.verdict {
         Verdict::Clean if text::understated(d).is_some() => Tone::Mind,
+        Verdict::Named if d.causes.iter().any(|c| c.tentative) => Tone::Mind,
         Verdict::Clean | Verdict::Named => Tone::Good,
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
         Verdict::Misread => Tone::Bad,
@@ -30,6 +31,14 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         lead.push(std::mem::replace(&mut verdict, headline.join(" ")));
     }
     lead.extend(meanings);
+    let tentative: Vec<&str> = d.causes.iter().filter(|c| c.tentative).map(|c| c.effect.as_str()).collect();
+    if !tentative.is_empty() {
+        lead.push(format!(
+            "Tentative: {}. The name may be right, but the size is near what these data can detect: more poses, or a wider \
+             range of the condition, make it sure.",
+            tentative.join(", ")
+        ));
+    }
     lead.extend(d.warnings.iter().cloned());
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
