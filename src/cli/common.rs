@@ -70,7 +70,10 @@ fn most_fail(machine: &Machine, data: &Dataset) -> bool {
     2 * failing > data.len()
 }
 
-/// The joint of a row that is farthest from its place at home.
+/// Lengths below this part of those at home look like changes from home.
+const CHANGE: f64 = 0.25;
+
+/// What is odd about the joints of a row: that they look like changes from home, or the one that is farthest from it.
 fn odd_joint(machine: &Machine, data: &Dataset, row: DataRow) -> Option<String> {
     let mechanism = machine.mechanism.as_ref();
     let sample = data.iter().find(|s| s.row == row)?;
@@ -80,6 +83,14 @@ fn odd_joint(machine: &Machine, data: &Dataset, row: DataRow) -> Option<String> 
     let spec = &mechanism.joints()[odd];
     let unit = machine.unit(spec.dimension);
     let shown = |v: f64| format!("{:.3} {}", unit.from_si(v), unit.name);
+    let small = |k: usize| {
+        mechanism.joints()[k].dimension == Dimension::Length && sample.joints[k].abs() < CHANGE * home[k].abs()
+    };
+    if (0..home.len()).all(small) {
+        let hint = "all lengths are much shorter than at home: commanded lengths are absolute, so if these are changes from \
+                    home, add the lengths at home";
+        return Some(hint.into());
+    }
     Some(format!(
         "{} is farthest from home at {} (home {}): correct or delete the row, or check the mechanism file",
         spec.name,

@@ -38,7 +38,6 @@ mod question;
 mod search;
 
 #[cfg(feature = "report")]
-pub(crate) use answer::findings::IN_ANOTHER_FRAME;
 pub use answer::result::{
     AddedVariable, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound, NotTestable,
     Rival, Unknown, UnknownTest, Verdict,

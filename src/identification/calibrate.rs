@@ -99,6 +99,7 @@ pub fn calibrate(
         },
         |errors| errors.rms(),
     );
+    let in_frames = data.with_frames(stood.frames);
     let not_reached = nominal.iter().filter(|pose| pose.is_err()).count();
     let nominal: Option<Vec<Pose>> = nominal.into_iter().collect::<Result<_, _>>().ok();
     let predicted = predict(mechanism, problem.data(), &as_seen, &poses, &convention)?;
@@ -119,7 +120,8 @@ pub fn calibrate(
         measurement: data.model().describe(),
         nuisance_heading: data.model().nuisance_heading(),
         identifier: identifier.name().to_owned(),
-        before: nominal.map_or_else(ErrorSummary::default, |poses| errors_at(&poses, &[], data).rms()),
+        before: nominal
+            .map_or_else(ErrorSummary::default, |poses| errors_at(&poses, &[], &data.with_frames(stood.frames)).rms()),
         not_reached,
         after,
         held_out,

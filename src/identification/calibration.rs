@@ -96,7 +96,8 @@ pub struct Calibration {
     pub registration: Registration,
     /// The workspace in the frames of the measurement.
     pub workspace: Option<Workspace>,
-    /// RMS errors of the mechanism as it was given; nothing if it does not reach all samples.
+    /// RMS errors of the mechanism as it was given, once the frames of the data are found; nothing if it does not reach all
+    /// samples.
     pub before: ErrorSummary,
     /// Samples that the mechanism as it was given does not reach.
     pub not_reached: usize,

@@ -6,5 +6,6 @@
 #[doc(hidden)]
 pub mod chart;
 pub mod html;
+mod in_the_drawing;
 pub mod json;
 pub mod text;

@@ -68,7 +68,7 @@ pub(crate) fn findings(
         effects,
         environment: (*subject.environment).clone(),
         frames: registration.frames,
-        warnings: warnings(subject, state, registration, unknown.as_ref()),
+        warnings: warnings(subject, state, unknown.as_ref()),
         causes,
         unknown,
     })
@@ -120,21 +120,9 @@ fn verdict(causes: &[Cause], unknown: Option<&Unknown>) -> Verdict {
     }
 }
 
-/// What is said where tracker or target are elsewhere than the mechanism file has them.
-pub(crate) const IN_ANOTHER_FRAME: &str = "the data are in a different frame from the mechanism file; causes act in the base frame \
-                                    of the file, and an extended model is written in that frame";
-
-/// What the user should know of frames, noise and tolerances.
-fn warnings(
-    subject: &Hypotheses<'_>,
-    state: &SearchState,
-    registration: &Registration,
-    unknown: Option<&Unknown>,
-) -> Vec<String> {
+/// What the user should know of noise and tolerances.
+fn warnings(subject: &Hypotheses<'_>, state: &SearchState, unknown: Option<&Unknown>) -> Vec<String> {
     let mut warnings = Vec::new();
-    if registration.applied {
-        warnings.push(IN_ANOTHER_FRAME.into());
-    }
     // What no name explains changes the ratio too.
     if let (Some([position, rotation]), None) = (state.spreads.kinds, unknown) {
         warnings.push(format!(

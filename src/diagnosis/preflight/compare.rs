@@ -58,6 +58,8 @@ pub(crate) fn preflight(
     for way in &ways {
         let mut found: Vec<(&Reading, f64)> = readings
             .iter()
+            // The order is read off poses in the base frame; with frames that are found, many a wrong one fits.
+            .filter(|reading| !*way || !matches!(reading, Reading::LegOrder(_)))
             .filter_map(|reading| Some((reading, trial.misfit(reading, &few, Look::First, *way)?)))
             .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
             .collect();

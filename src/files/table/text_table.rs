@@ -40,6 +40,17 @@ impl Table {
         let mut columns: Vec<Column> = Vec::with_capacity(header.len());
         for name in &header {
             let problem = |problem: String| FileError::Column { path: path.into(), column: name.clone(), problem };
+            if let [title, others @ ..] = header.as_slice()
+                && !title.is_empty()
+                && others.len() > 1
+                && others.iter().all(String::is_empty)
+            {
+                return Err(problem(
+                    "is the only name in the first line, which seems to be a title; delete what is above the names of \
+                     the columns"
+                        .into(),
+                ));
+            }
             if name.is_empty() {
                 return Err(problem("has no name, and cells with content; name it or delete it".into()));
             }

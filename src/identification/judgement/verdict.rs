@@ -41,6 +41,8 @@ const NO_WEIGHT: f64 = 1e-2;
 const FAR: f64 = 3.0;
 /// Errors above this part of the size of a mechanism, and angles above this, rad, bend what a covariance takes for straight.
 const BENT: f64 = 0.05;
+/// A tolerance that has to be this many times as wide is none.
+const WIDEST: f64 = 300.0;
 /// Errors up to this, m and rad, are those of arithmetic.
 const ROUNDING: f64 = 1e-9;
 
@@ -121,6 +123,12 @@ pub(crate) fn judge_drawing(
     if !widened.is_empty() {
         let advice = "the tolerances were taken as that much wider; correct [tolerance] or the drawing";
         verdict.warnings.push(format!("{}; {advice}", widened.join(", ")));
+    }
+    if factors.iter().any(|f| *f > WIDEST) {
+        verdict.distrust(format!(
+            "{}: so far from its drawing no machine is built; check the drawing (signs, units, order of the legs) and the columns",
+            widened.join(", ")
+        ));
     }
     if let Some(p) = drawing.and_then(DrawingTest::p_value).filter(|p| *p < MISFIT) {
         let remedy = match policy {

@@ -6,18 +6,11 @@ use crate::identification::judgement::plausibility::Implausible;
 use crate::measurement::{Dataset, RowKind};
 use crate::units::show_angle;
 
-/// What is said where tracker or target are elsewhere than the mechanism file has them.
-pub(crate) const IN_ANOTHER_FRAME: &str = "the data are in another frame than the mechanism file; the calibrated model is in the \
-                                    frames of the measurement (see frames)";
-
 /// Adds what the whole calibration says.
 pub(crate) fn with_warnings(mut result: Calibration, data: &Dataset, holdout: &Holdout) -> Calibration {
     let warnings = &mut result.verdict.warnings;
     if result.held_out.is_none() && !matches!(holdout, Holdout::None) {
         warnings.push("errors on held-out rows are not available: without them, the remaining rows do not determine the parameters".into());
-    }
-    if result.registration.applied {
-        warnings.push(IN_ANOTHER_FRAME.into());
     }
     if result.not_reached > 0 {
         warnings.push(format!(

@@ -83,8 +83,12 @@ fn describe(mechanism: &dyn Mechanism, patterns: &[Pattern], direction: &DVector
     let mut largest: Vec<(f64, &str)> =
         direction.iter().zip(mechanism.parameters()).map(|(v, s)| (v * v, s.name.as_str())).collect();
     largest.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let names: Vec<String> =
-        largest.iter().take(4).map(|(part, name)| format!("{name} ({:.0} %)", 100.0 * part)).collect();
+    let names: Vec<String> = largest
+        .iter()
+        .take(4)
+        .filter(|(part, _)| *part >= 0.005)
+        .map(|(part, name)| format!("{name} ({:.0} %)", 100.0 * part))
+        .collect();
     format!("a combination of {}", names.join(", "))
 }
 

@@ -19,7 +19,16 @@ pub(super) struct Extent {
 
 impl Extent {
     pub(super) fn new(axis: &Axis) -> Self {
-        Self { log: is_log(axis), range: None }
+        let mut extent = Self { log: is_log(axis), range: None };
+        axis.besides.iter().flat_map(|(a, b)| [*a, *b]).for_each(|v| extent.add(v));
+        extent
+    }
+
+    /// Widens the range by a part of it to both sides.
+    pub(super) fn pad(&mut self, part: f64) {
+        if let Some((lo, hi)) = self.range.filter(|_| !self.log) {
+            self.range = Some((lo - part * (hi - lo), hi + part * (hi - lo)));
+        }
     }
 
     /// Takes in a value, if it can be drawn.

@@ -3,6 +3,9 @@
 use super::axis::Extent;
 use super::{Axis, Panel, Series, Shape};
 
+/// Room for circles at both ends of an axis, as a part of it.
+const CIRCLE: f64 = 0.05;
+
 /// Whether a series belongs to the axis on the right.
 pub(super) fn on_right(panel: &Panel, series: &Series) -> bool {
     series.right && panel.right.is_some()
@@ -26,7 +29,15 @@ pub(super) fn y_extent(panel: &Panel, axis: &Axis, right: bool) -> Extent {
     if !right {
         panel.rules.iter().filter(|r| r.horizontal).for_each(|r| extent.add(r.at));
     }
+    pad_circles(panel, &mut extent);
     extent
+}
+
+/// Circles at the ends of an axis would lie on its labels.
+fn pad_circles(panel: &Panel, extent: &mut Extent) {
+    if panel.series.iter().any(|s| matches!(s.shape, Shape::Bubbles { .. })) {
+        extent.pad(CIRCLE);
+    }
 }
 
 /// Range of x of all series and the vertical rules.
@@ -44,5 +55,6 @@ pub(super) fn x_extent(panel: &Panel) -> Extent {
         }
     }
     panel.rules.iter().filter(|r| !r.horizontal).for_each(|r| extent.add(r.at));
+    pad_circles(panel, &mut extent);
     extent
 }

@@ -131,6 +131,8 @@ pub struct Axis {
     pub scale: Scale,
     /// The range shown; without it the range of the data, padded to nice ticks.
     pub range: Option<(f64, f64)>,
+    /// Values that a range of the data takes in besides, so that several panels can have the same one.
+    pub besides: Option<(f64, f64)>,
     /// Names of categories at 0, 1, 2, …, shown in place of numbers if there are any.
     pub names: Vec<String>,
 }

@@ -130,7 +130,8 @@ impl Dice {
         let scale = if self.roll(2) == 0 { Scale::Linear } else { Scale::Log };
         let range = (self.roll(3) == 0).then(|| (self.value(kind), self.value(kind)));
         let count = if self.roll(4) == 0 { self.roll(70) } else { 0 };
-        Axis { label: self.text(), scale, range, names: (0..count).map(|_| self.text()).collect() }
+        let (label, names) = (self.text(), (0..count).map(|_| self.text()).collect());
+        Axis { label, scale, range, besides: None, names }
     }
 
     fn series(&mut self, kinds: (usize, usize)) -> Series {

@@ -1,14 +1,15 @@
 //! The page of `calibrate`.
 
-use super::deviations::{in_the_drawing, judged, table};
+use super::deviations::{judged, table};
 use super::page::{Page, Part, Section, Tile, Tone};
 use super::pictures::{Layer, ModelResiduals, correlation, deviations, gross, strips};
-use super::{Measured, Subject, frames, tells_of_frames};
+use super::{Measured, Subject, frames};
 use crate::identification::{Calibration, ErrorSummary, ModelErrors, SampleError};
 use crate::measurement::DataRow;
 use crate::report::chart::{Axis, Figure, Panel, Series, Shape};
+use crate::report::in_the_drawing::in_the_drawing;
 use crate::report::text;
-use crate::units::{shortened, show_angle, show_length};
+use crate::units::{Dimension, shortened, show_angle, show_length};
 
 /// Advice for a calibration that can be trusted.
 const NEXT: &str = "compute commands with the calibrated file (`paracal compensate`), and run `paracal diagnose` to \
@@ -17,8 +18,7 @@ const NEXT: &str = "compute commands with the calibrated file (`paracal compensa
 /// A calibration; `measured` holds the data through the calibrated mechanism, then through the one that was given.
 pub fn calibration(c: &Calibration, subject: &Subject<'_>, measured: &Measured<'_>) -> Page {
     let found = &c.identification;
-    let harmless = c.verdict.warnings.iter().all(|text| tells_of_frames(text));
-    let (verdict, tone) = match (c.verdict.trusted, harmless) {
+    let (verdict, tone) = match (c.verdict.trusted, c.verdict.warnings.is_empty()) {
         (true, true) => (text::trusted(c), Tone::Good),
         (true, false) => (format!("With warnings. {}", text::trusted(c)), Tone::Mind),
         (false, _) => ("The result must not be trusted".to_owned(), Tone::Bad),
@@ -64,7 +64,7 @@ fn parameters(c: &Calibration) -> Vec<Part> {
         parts.push(Part::Text(
             "Deviations are those of the machine, in the base frame and the platform frame of the mechanism file: the rigid \
              motions of base and platform, which say where tracker and target were, are taken out of the points and listed \
-             under Frames. The calibrated file has the same machine in the frames of the measurement."
+             under Frames, as are the offsets of the legs. The calibrated file has the same machine in the frames of the measurement."
                 .into(),
         ));
     }
@@ -176,6 +176,12 @@ fn convergence(c: &Calibration) -> Figure {
     };
     let costs = history.iter().enumerate().map(|(k, h)| [k as f64 + first, h.cost]).collect();
     let steps = history.iter().enumerate().map(|(k, h)| [k as f64 + first, 1e3 * h.step]).collect();
+    let are = |wanted: &[Dimension]| c.parameters.iter().all(|p| wanted.contains(&p.spec.dimension));
+    let unit = match () {
+        () if are(&[Dimension::Length]) => "mm",
+        () if are(&[Dimension::Length, Dimension::Angle]) => "mm or mrad",
+        () => "thousandths of the SI unit",
+    };
     let panel = |label: &str, points: Vec<[f64; 2]>| Panel {
         x: x.clone(),
         y: Axis::log(label),
@@ -186,6 +192,6 @@ fn convergence(c: &Calibration) -> Figure {
         title: "Convergence".into(),
         description: "Half the sum of squares and largest step after each iteration, on logarithmic axes.".into(),
         columns: 2,
-        panels: vec![panel("half the sum of squares", costs), panel("largest step (1e-3 SI)", steps)],
+        panels: vec![panel("half the sum of squares", costs), panel(&format!("largest step ({unit})"), steps)],
     }
 }

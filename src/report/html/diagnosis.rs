@@ -17,6 +17,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     let title = subject.mechanism.name();
     let tone = match d.verdict {
         Verdict::Clean if text::understated(d).is_some() => Tone::Mind,
+        Verdict::Named if d.causes.iter().any(|c| c.tentative) => Tone::Mind,
         Verdict::Clean | Verdict::Named => Tone::Good,
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
         Verdict::Misread => Tone::Bad,
@@ -30,6 +31,14 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         lead.push(std::mem::replace(&mut verdict, headline.join(" ")));
     }
     lead.extend(meanings);
+    let tentative: Vec<&str> = d.causes.iter().filter(|c| c.tentative).map(|c| c.effect.as_str()).collect();
+    if !tentative.is_empty() {
+        lead.push(format!(
+            "Tentative: {}. The name may be right, but the size is near what these data can detect: more poses, or a wider \
+             range of the condition, make it sure.",
+            tentative.join(", ")
+        ));
+    }
     lead.extend(d.warnings.iter().cloned());
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));
@@ -42,7 +51,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
     }
     if !d.causes.is_empty() {
         let parts = vec![
-            Part::Table(CAUSES.to_vec(), d.causes.iter().map(cause_row).collect()),
+            with_content(&CAUSES, &d.causes.iter().map(cause_row).collect::<Vec<_>>()),
             Part::picture(added_variable(&d.causes)),
             Part::picture(sizes(d)),
         ];
@@ -185,6 +194,15 @@ fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
 
 const CAUSES: [&str; 7] =
     ["cause", "leg", "parameters", "evidence, nats", "p", "relative to its limit", "not excluded"];
+
+/// A table without the columns in which no row has anything.
+fn with_content(header: &[&'static str], rows: &[Vec<String>]) -> Part {
+    let filled = |k: &usize| rows.iter().any(|row| row.get(*k).is_some_and(|cell| !cell.is_empty()));
+    let kept: Vec<usize> = (0..header.len()).filter(filled).collect();
+    let row = |row: &Vec<String>| kept.iter().filter_map(|k| row.get(*k).cloned()).collect();
+    let header = kept.iter().filter_map(|k| header.get(*k).copied()).collect();
+    Part::Table(header, rows.iter().map(row).collect())
+}
 
 fn cause_row(c: &Cause) -> Vec<String> {
     let values = c.parameters.iter().map(|p| {

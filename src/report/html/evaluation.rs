@@ -28,7 +28,7 @@ pub fn evaluation(errors: &ModelErrors, subject: &Subject<'_>, measured: &Measur
     Page {
         title: format!("{title}: errors of the model"),
         verdict: format!("{} rows: RMS error {}.", errors.samples.len(), parts.join(" and ")),
-        tone: if subject.warnings().next().is_none() { Tone::Good } else { Tone::Mind },
+        tone: if subject.warnings.is_empty() { Tone::Good } else { Tone::Mind },
         numbers: numbers.into_iter().flatten().collect(),
         lead: subject.lead(vec![
             "Nothing was fitted: the model predicts each row, and this page shows how far off it is. What to do if \

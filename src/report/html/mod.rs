@@ -58,24 +58,13 @@ impl Subject<'_> {
     /// Paragraphs, and the warnings that are not among them. Another frame is nothing to be warned of; a page states where
     /// it is.
     fn lead(&self, mut paragraphs: Vec<String>) -> Vec<String> {
-        paragraphs.retain(|text| !tells_of_frames(text));
-        for warning in self.warnings() {
+        for warning in self.warnings.iter() {
             if !paragraphs.contains(warning) {
                 paragraphs.push(warning.clone());
             }
         }
         paragraphs
     }
-
-    /// Warnings of the command that are worth one.
-    fn warnings(&self) -> impl Iterator<Item = &String> {
-        self.warnings.iter().filter(|text| !tells_of_frames(text))
-    }
-}
-
-/// Whether a warning says no more than that the data are in the frame of an instrument.
-fn tells_of_frames(warning: &str) -> bool {
-    [crate::identification::IN_ANOTHER_FRAME, crate::diagnosis::IN_ANOTHER_FRAME].contains(&warning)
 }
 
 impl Measured<'_> {

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::style::{PAPER, STYLE};
-use super::typeset::typeset;
+use super::typeset::{in_print, typeset};
 use crate::report::chart::{Figure, PAGE_STYLE, Scene};
 
 /// How good the news is.
@@ -149,7 +149,7 @@ fn table(header: &[&'static str], rows: &[Vec<String>]) -> Markup {
                 th scope="col" class=[of_words(rows, k).then_some("words")] { (h) }
             } } }
             tbody { @for row in rows { tr {
-                @for (k, cell) in row.iter().enumerate() { td class=(class(k)) data-of=(label(k)) { (cell) } }
+                @for (k, cell) in row.iter().enumerate() { td class=(class(k)) data-of=(in_print(label(k))) { (cell) } }
             } } }
         } }
     }
@@ -158,7 +158,7 @@ fn table(header: &[&'static str], rows: &[Vec<String>]) -> Markup {
 /// Whether a column holds words and not numbers: words begin at the left and may wrap.
 fn of_words(rows: &[Vec<String>], column: usize) -> bool {
     let mut cells = rows.iter().filter_map(|row| row.get(column)?.chars().next());
-    cells.all(char::is_alphabetic)
+    cells.all(|first| first.is_alphabetic() || first == '[')
 }
 
 impl Page {

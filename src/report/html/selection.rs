@@ -62,15 +62,24 @@ pub fn selection(s: &Selection<'_>, subject: &Subject<'_>) -> Page {
         sections.push(Section { id: "number", title: "How many poses", parts });
     }
     sections.push(Section { id: "numbers", title: "All numbers", parts: vec![Part::printed(text::selection(s))] });
-    let good = r.efficiency.is_some_and(|e| e > 0.9) && subject.warnings().next().is_none();
+    let good = r.efficiency.is_some_and(|e| e > 0.9) && subject.warnings.is_empty();
     Page {
         title: format!("{}: poses to measure", s.title),
         verdict: format!("{} poses to measure: {sure}.", r.poses.len() - s.given),
         tone: if good { Tone::Good } else { Tone::Mind },
         numbers: numbers.into_iter().flatten().collect(),
-        lead: subject.lead(vec![format!("What to do: {}.", text::next_step(s))]),
+        lead: subject.lead(vec![advice(&text::next_step(s))]),
         sections,
         settings: subject.settings.clone(),
+    }
+}
+
+/// The next step as the advice of a page.
+fn advice(step: &str) -> String {
+    let Some(measure) = step.strip_prefix("Measure") else { return step.to_owned() };
+    match measure.split_once(", then: ") {
+        Some((poses, command)) => format!("What to do: measure{poses}, then run `{command}`."),
+        None => format!("What to do: measure{measure}."),
     }
 }
 

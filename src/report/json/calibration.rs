@@ -5,18 +5,19 @@ use serde_json::{Value, json};
 use super::{errors, motion, predicted, real, rows};
 use crate::identification::{Calibration, Deviation, Estimate, GROUPS};
 use crate::mechanism::ParameterRole;
+use crate::report::in_the_drawing::in_the_drawing;
 use crate::units::Dimension;
 
 /// Pairs of correlated parameters that are listed.
 const CORRELATIONS: usize = 10;
 
-/// A parameter, and how far the identification in the frames of the drawing moved it: the deviation that the text shows.
-fn estimate((p, found): (&Estimate, &Estimate)) -> Value {
+/// A parameter, and the same in the frames of the drawing, whose deviation is the one that the text shows.
+fn estimate((p, drawn): (&Estimate, &Estimate)) -> Value {
     json!({
         "name": p.spec.name,
         "nominal": real(p.spec.nominal),
         "value": real(p.value),
-        "deviation": real(found.value - found.start),
+        "deviation": real(drawn.value - drawn.start),
         "sigma": p.sigma.map(real),
         "unit": p.spec.dimension.si(),
     })
@@ -37,6 +38,7 @@ fn residual_row(deviation: &Deviation) -> Vec<Value> {
 pub fn calibration(c: &Calibration, residuals: &[Deviation]) -> Value {
     let found = &c.identification;
     let n = found.mechanism_parameters;
+    let drawn = in_the_drawing(c);
     let history: Vec<Value> = found
         .history
         .iter()
@@ -52,8 +54,8 @@ pub fn calibration(c: &Calibration, residuals: &[Deviation]) -> Value {
         "iterations": found.history.len(),
         "history": history,
         "samples": found.poses.len(),
-        "parameters": c.parameters.iter().zip(&found.parameters).take(n).map(estimate).collect::<Vec<_>>(),
-        "measurement_parameters": c.parameters.iter().zip(&found.parameters).skip(n).map(estimate).collect::<Vec<_>>(),
+        "parameters": c.parameters.iter().zip(&drawn).take(n).map(estimate).collect::<Vec<_>>(),
+        "measurement_parameters": c.parameters.iter().zip(&drawn).skip(n).map(estimate).collect::<Vec<_>>(),
         "correlations": correlations,
         "rms_before": (c.not_reached == 0).then(|| errors(&c.before)),
         "rows_not_reached": c.not_reached,

@@ -4,7 +4,8 @@ use super::settlement::limit_table;
 use super::{errors_row, heading, table};
 use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
-use crate::measurement::DataRow;
+use crate::measurement::{DataRow, Frames};
+use crate::pose::{Pose, rotation_vector};
 use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
@@ -39,8 +40,34 @@ pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
             100.0 * (1.0 - rho) / (1.0 + rho)
         );
     }
+    text += &frames_text(d);
     text += &lists(d);
     text
+}
+
+/// A target nearer to its place than this, m, was not moved.
+const UNMOVED: f64 = 1e-9;
+
+/// Where base and target are, if the data are in the frame of an instrument.
+fn frames_text(d: &Diagnosis) -> String {
+    let Frames { base, target } = &d.frames;
+    if *base == Pose::identity() && *target == Pose::identity() {
+        return String::new();
+    }
+    let place = |pose: &Pose| {
+        let turn = show_angle(rotation_vector(&pose.rotation).norm());
+        [show_length(pose.position.norm()), turn]
+    };
+    let [away, turned] = place(base);
+    let mut lines = vec![format!("the base is {away} away and rotated by {turned} in the tracker's frame")];
+    if target.position.norm() > UNMOVED {
+        let [offset, turned] = place(target);
+        lines.push(format!("the target is offset by {offset} and rotated by {turned} on the platform"));
+    }
+    if !d.causes.is_empty() {
+        lines.push("causes act in the base frame; an extended model takes poses in the tracker's frame".into());
+    }
+    format!("\nFrames: {}.\n", lines.join(";\n        "))
 }
 
 /// ` at leg 3`, or the coordinate that a joint stands for.

@@ -15,6 +15,8 @@ pub use selection::{Selection, selection};
 pub use settlement::{CampaignLimits, campaign_limits, detection_limits, settlement};
 
 use crate::identification::{Calibration, ErrorSummary, Estimate, ModelErrors};
+use crate::pose::{Pose, rotation_vector};
+use crate::report::in_the_drawing::in_the_drawing;
 use crate::units::{Dimension, show_angle, show_length, show_probability, three_digits};
 
 /// Advice for a calibration that must not be trusted.
@@ -140,10 +142,11 @@ pub fn calibration(c: &Calibration) -> String {
     let prior = if found.prior { "tolerances as prior" } else { "no prior" };
     let title = heading(c.mechanism.name());
     let mut text = format!("{title}\n{samples} samples ({}), {}, {prior}\n\n", c.measurement, c.identifier);
-    text += &parameter_table(&found.parameters[..n]);
-    if found.parameters.len() > n {
+    let parameters = in_the_drawing(c);
+    text += &parameter_table(&parameters[..n]);
+    if parameters.len() > n {
         text += &format!("\n{}\n", c.nuisance_heading);
-        text += &parameter_table(&found.parameters[n..]);
+        text += &parameter_table(&parameters[n..]);
     }
     text += "\n";
     let mut rows = vec![errors_row("before", &c.before), errors_row("fitted", &c.after)];
@@ -171,14 +174,19 @@ pub fn calibration(c: &Calibration) -> String {
     }
     if c.registration.applied {
         let (b, t) = (&c.plausibility.base, &c.plausibility.target);
-        text += &format!(
-            "\nFrames: the base is {} away and rotated by {} in the tracker's frame;\n        the target is offset by \
-             {} and rotated by {} on the platform.\n",
-            show_length(b.position.norm()),
-            show_angle(crate::pose::rotation_vector(&b.rotation).norm()),
-            show_length(t.position.norm()),
-            show_angle(crate::pose::rotation_vector(&t.rotation).norm()),
-        );
+        let part = |what: &str, p: &Pose| {
+            format!(
+                "{what} {} and rotated by {}",
+                show_length(p.position.norm()),
+                show_angle(rotation_vector(&p.rotation).norm())
+            )
+        };
+        text += &format!("\nFrames: {} in the tracker's frame", part("the base is away by", b));
+        if *t != Pose::identity() {
+            text += &format!(";\n        {} on the platform", part("the target is offset by", t));
+        }
+        text += ".\n        The calibrated model is in the frames of the measurement (commands take --frame base for\n        \
+                 the other); the deviations above are those of the machine, without these motions.\n";
     }
     text += &weak_directions(c);
     let implausible = &c.plausibility.implausible;

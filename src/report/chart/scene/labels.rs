@@ -12,6 +12,8 @@ const AXIS: Font = Font::new(12.0, "h", Anchor::Middle);
 /// Longest label in pixels, and that of an arrow.
 const LONGEST: f64 = 150.0;
 const LONGEST_OF_ARROW: f64 = 240.0;
+/// Harm of a label on its own arrow, besides that on any arrow.
+const OWN: f64 = 3.0;
 
 /// A line on the picture with the weight of the harm that a label on it does.
 #[derive(Clone, Copy, Debug)]
@@ -152,7 +154,12 @@ pub(super) fn draw(canvas: &mut Canvas, scene: &Scene, stage: &Stage, obstacles:
         let label = shorten(arrow.label.trim(), FRAME.size, LONGEST_OF_ARROW);
         if !label.is_empty() {
             let along = [head.px[0] - foot.px[0], head.px[1] - foot.px[1]];
-            places.put(&FRAME, &label, around(head.px, along, half(&FRAME, &label)));
+            // Where there is no room beyond the head, the label stands beside the arrow and not on it.
+            places.obstacles.push(Obstacle::new(&foot, &head, OWN));
+            let half = half(&FRAME, &label);
+            let part = |s: f64| [foot.px[0] + s * along[0], foot.px[1] + s * along[1]];
+            let beside = [0.5, 0.0].into_iter().flat_map(|s| around(part(s), [along[1], -along[0]], half));
+            places.put(&FRAME, &label, around(head.px, along, half).into_iter().chain(beside));
         }
     }
 }

@@ -26,6 +26,17 @@ pub(in crate::report::html) fn maps(
     let changes = |k: usize| models.iter().any(|m| poses(m).windows(2).any(|w| w[0][k] != w[1][k]));
     let planes: Vec<[(&str, usize); 2]> =
         PLANES.into_iter().filter(|plane| plane.iter().any(|(_, k)| changes(*k))).collect();
+    // The maps of all models have the same axes.
+    let everywhere: Vec<[f64; 6]> = models.iter().flat_map(|m| poses(m)).collect();
+    let ends = |k: usize| {
+        let values = everywhere.iter().map(|q| q[k]).filter(|v| v.is_finite());
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (low <= high).then_some((low, high))
+    };
+    let axis = |(name, k): (&str, usize)| Axis {
+        besides: ends(k),
+        ..Axis::linear(format!("{name} ({})", if k < 3 { "mm" } else { "°" }))
+    };
     let mut panels = Vec::new();
     for (colour, model) in models.iter().enumerate() {
         let sizes: Vec<f64> = model.errors.samples.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect();
@@ -36,11 +47,10 @@ pub(in crate::report::html) fn maps(
         let coordinates = poses(model);
         for plane in &planes {
             let points = coordinates.iter().map(|q| plane.map(|(_, k)| q[k])).collect();
-            let label = |(name, k): (&str, usize)| format!("{name} ({})", if k < 3 { "mm" } else { "°" });
             let shape = Shape::Bubbles { sizes: sizes.clone(), full: largest };
             panels.push(Panel {
-                x: Axis::linear(label(plane[0])),
-                y: Axis::linear(label(plane[1])),
+                x: axis(plane[0]),
+                y: axis(plane[1]),
                 series: vec![Series::new(
                     format!(
                         "{}; the largest circle is {}{}",

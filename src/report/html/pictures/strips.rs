@@ -87,6 +87,10 @@ pub(in crate::report::html) fn strips(
                     ..Panel::default()
                 }
             };
+            let mut panels: Vec<Panel> = joints.iter().enumerate().map(panel).collect();
+            if joints.iter().all(|j| j.dimension == joints[0].dimension) {
+                compare(&mut panels);
+            }
             Figure {
                 title: format!("Leg by leg against {}", against.title),
                 description: format!(
@@ -94,10 +98,24 @@ pub(in crate::report::html) fn strips(
                     against.title
                 ),
                 columns: 3,
-                panels: joints.iter().enumerate().map(panel).collect(),
+                panels,
             }
         })
         .collect()
+}
+
+/// Gives all panels the same axes, so that legs can be compared; gross errors widen their own panel only.
+fn compare(panels: &mut [Panel]) {
+    let shared = |k: usize| {
+        let usual = panels.iter().flat_map(|p| &p.series).filter(|s| s.name != GROSS).flat_map(|s| &s.points);
+        let finite = usual.map(|p| p[k]).filter(|v| v.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (low <= high).then_some((low, high))
+    };
+    let [x, y] = [0, 1].map(shared);
+    for panel in panels {
+        (panel.x.besides, panel.y.besides) = (x, y);
+    }
 }
 
 /// Unit of residuals in joints of a dimension, and how many of it make one in SI.
