@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crate::cli::ui::Ui;
 use crate::conditions::Conditions;
-use crate::files::Machine;
+use crate::files::{Machine, contents};
 use crate::identification::IdentifyError;
 use crate::measurement::{DataRow, Dataset};
 use crate::mechanism::{ForwardQuery, Mechanism};
@@ -114,12 +114,7 @@ pub(crate) fn settings<P: AsRef<Path>>(
             continue;
         }
         seen.push(path.into());
-        // A pipe was read already and cannot be read again.
-        let said = match std::fs::metadata(path)
-            .ok()
-            .filter(std::fs::Metadata::is_file)
-            .and_then(|_| std::fs::read(path).ok())
-        {
+        let said = match contents(path) {
             Some(bytes) => format!("{} bytes, SHA-256 {}", bytes.len(), hexadecimal(&Sha256::digest(&bytes))),
             None => "not a regular file, so not read again".into(),
         };
@@ -128,10 +123,9 @@ pub(crate) fn settings<P: AsRef<Path>>(
     settings
 }
 
-/// SHA-256 of a file, if it is a regular one: a pipe was read already and cannot be read again.
+/// SHA-256 of an input that was read, unless it was a pipe.
 pub(crate) fn sha256(path: &Path) -> Option<String> {
-    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
-    Some(hexadecimal(&Sha256::digest(std::fs::read(path).ok()?)))
+    contents(path).map(|bytes| hexadecimal(&Sha256::digest(bytes)))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

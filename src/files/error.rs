@@ -2,6 +2,7 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use thiserror::Error;
@@ -183,6 +184,18 @@ pub enum FileError {
     },
 }
 
+/// What standard input held, once it was read.
+static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
+
+/// What an input holds that was read before; `None` of a pipe.
+pub(crate) fn contents(path: &Path) -> Option<Vec<u8>> {
+    if is_standard(path) {
+        return STANDARD_INPUT.get().cloned();
+    }
+    std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    std::fs::read(path).ok()
+}
+
 /// What standard input holds; it can be read once.
 fn standard_input() -> std::io::Result<Vec<u8>> {
     static READ: AtomicBool = AtomicBool::new(false);
@@ -191,7 +204,7 @@ fn standard_input() -> std::io::Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     std::io::stdin().lock().read_to_end(&mut bytes)?;
-    Ok(bytes)
+    Ok(STANDARD_INPUT.get_or_init(|| bytes).clone())
 }
 
 /// The text of a file.

@@ -25,6 +25,8 @@ mod urdf;
 mod urdf_options;
 
 pub use error::FileError;
+#[cfg(feature = "cli")]
+pub(crate) use error::contents;
 pub use finding::{Finding, FindingKind};
 pub use machine::Machine;
 pub use mechanism::calibration::CalibrationSection;

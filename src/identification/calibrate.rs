@@ -102,7 +102,9 @@ pub fn calibrate(
     let in_frames = data.with_frames(stood.frames);
     let not_reached = nominal.iter().filter(|pose| pose.is_err()).count();
     let nominal: Option<Vec<Pose>> = nominal.into_iter().collect::<Result<_, _>>().ok();
-    let predicted = predict(mechanism, problem.data(), &as_seen, &poses, &convention)?;
+    // Two frames may move against each other without anything to be seen; the parameters may not.
+    let determined = found.parameters.iter().all(|p| p.sigma.is_some());
+    let predicted = predict(mechanism, problem.data(), &as_seen, determined, &poses, &convention)?;
     // What is to be learned beyond placing the machine.
     let of_drawing = without_conventions(mechanism, tolerance_factors)
         .and_then(|covariance| predicted_errors(mechanism, &covariance, &poses, &convention));
@@ -120,8 +122,7 @@ pub fn calibrate(
         measurement: data.model().describe(),
         nuisance_heading: data.model().nuisance_heading(),
         identifier: identifier.name().to_owned(),
-        before: nominal
-            .map_or_else(ErrorSummary::default, |poses| errors_at(&poses, &[], &data.with_frames(stood.frames)).rms()),
+        before: nominal.map(|poses| errors_at(&poses, &[], &in_frames).rms()).unwrap_or_default(),
         not_reached,
         after,
         held_out,
@@ -160,20 +161,19 @@ struct Solved<'a> {
 
 /// The fit of a problem, and whether it converged; where it does not from one start, it may from another.
 fn estimated(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) -> Result<(Fit, bool), IdentifyError> {
-    match identifier.estimate(problem) {
-        Ok(fit) => Ok((fit, true)),
-        Err(IdentifyError::NotConverged { .. } | IdentifyError::Solve(_)) if problem.begin_at_closure() => {
-            once_more(identifier, problem)
+    let failure = match identifier.estimate(problem) {
+        Ok(fit) => return Ok((fit, true)),
+        Err(error @ (IdentifyError::NotConverged { .. } | IdentifyError::Solve(_))) => error,
+        Err(error) => return Err(error),
+    };
+    if problem.begin_at_closure() {
+        if let Ok(fit) = identifier.estimate(problem) {
+            return Ok((fit, true));
         }
-        Err(error) => Err(error),
     }
-}
-
-fn once_more(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) -> Result<(Fit, bool), IdentifyError> {
-    match identifier.estimate(problem) {
-        Ok(fit) => Ok((fit, true)),
-        Err(IdentifyError::NotConverged { last, .. }) => Ok((*last, false)),
-        Err(error) => Err(error),
+    match failure {
+        IdentifyError::NotConverged { last, .. } => Ok((*last, false)),
+        error => Err(error),
     }
 }
 
@@ -309,10 +309,11 @@ fn predict(
     mechanism: &dyn Mechanism,
     data: &Dataset,
     found: &Identification,
+    determined: bool,
     poses: &[Pose],
     convention: &PoseConvention,
 ) -> Result<Option<PredictedError>, IdentifyError> {
-    if found.parameters.iter().any(|p| p.sigma.is_none()) {
+    if !determined {
         return Ok(None);
     }
     let aligned = mechanism.with_values(&found.mechanism_values(), mechanism.home())?;

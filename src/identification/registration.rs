@@ -53,8 +53,10 @@ enum Free {
 const TOLERANCES: f64 = 10.0;
 /// The same for a mechanism without tolerances, as a part of its size.
 const PART_OF_SIZE: f64 = 0.02;
-/// Misfits by more than this part of its size are those of frames in any mechanism.
-const MOST_OF_SIZE: f64 = 0.3;
+/// Frames must take away half of the misfit; what errors of the parameters bend is not moved back by them.
+const EXPLAINS: f64 = 0.5;
+/// Misfits by more than this many times its size are those of frames in any mechanism.
+const MOST_OF_SIZE: f64 = 1.0;
 /// Misfits up to this many times what the tolerances cause need none either.
 const SPREADS: f64 = 3.0;
 const FEWEST: usize = 3;
@@ -122,7 +124,7 @@ pub(crate) fn register_poses(
         }
     }
     match best {
-        Some((after, mut frames)) if after < before || target == TargetFrame::Identified => {
+        Some((after, mut frames)) if after < EXPLAINS * before || target == TargetFrame::Identified => {
             if target == TargetFrame::Identified {
                 // The identified places take the place of a target frame.
                 frames.target = Pose::identity();

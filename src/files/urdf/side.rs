@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::files::error::FileError;
+use crate::files::mechanism::calibration::CalibrationSection;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::kinds::six_hardpoint::KIND;
 use crate::files::mechanism::sections::{
@@ -59,6 +60,7 @@ pub(super) struct SideDocument {
     targets: Vec<TargetEntry>,
     #[serde(default, rename = "effect")]
     effects: Vec<EffectEntry>,
+    calibration: Option<CalibrationSection>,
     #[serde(default, rename = "sensor")]
     sensors: Vec<SensorEntry>,
 }
@@ -144,6 +146,7 @@ impl SideDocument {
             actuator: self.actuator,
             plane: self.plane,
             targets: self.targets,
+            calibration: self.calibration,
             effects: self.effects,
             sensors: self.sensors,
             // A URDF states six legs, and no file that a calibration wrote.

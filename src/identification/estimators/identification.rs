@@ -61,9 +61,11 @@ impl Identification {
     /// Without its last parameters, whose values are returned too.
     pub(crate) fn without_last(mut self, count: usize) -> (Self, Vec<f64>) {
         let n = self.parameters.len() - count;
-        let values = self.parameters.drain(n..).map(|p| p.value).collect();
+        let values: Vec<f64> = self.parameters.drain(n..).map(|p| p.value).collect();
         self.covariance = self.covariance.view((0, 0), (n, n)).into_owned();
-        self.rank -= count.min(self.rank);
+        // Where the last ones are what is not determined, the others are.
+        let all = self.parameters.iter().all(|p| p.sigma.is_some());
+        self.rank = if all { n } else { self.rank.saturating_sub(count) };
         (self, values)
     }
 

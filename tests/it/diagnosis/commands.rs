@@ -112,7 +112,7 @@ fn what_the_extended_model_commands_is_what_led_to_the_measured_poses() {
     bench.write("p.csv", poses.collect::<String>());
     let miss = |mechanism: &str| {
         // Measured poses that are a little outside the workspace are marked, and the call ends with 3.
-        let printed = bench.run(&format!("compensate {mechanism} p.csv -o lengths.csv --json")).stdout;
+        let printed = bench.run(&format!("compensate {mechanism} p.csv -o lengths.csv --json --force")).stdout;
         let found: Value = serde_json::from_slice(&printed).unwrap();
         let lengths = found["lengths_m"].as_array().unwrap().iter();
         let squares = lengths

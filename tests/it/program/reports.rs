@@ -41,7 +41,7 @@ fn a_calibration_is_shown_with_errors_parameters_and_what_repeats_it() {
     let (before, after) = last.split_once(" -> ").unwrap();
     let (before, after) = (before.split("RMS ").nth(1).unwrap(), after.split(" (fitted)").next().unwrap());
     let [before, after] = [before, after].map(|shown| shown.replace(" um", " µm"));
-    assert!(page.contains("The result can be trusted. 42 parameters from"), "{last}");
+    assert!(page.contains("(1 sigma over the workspace). 42 parameters from"), "{last}");
     assert!(page.contains(&format!("RMS position error {before} as given, {after} calibrated")), "{last}");
     assert!(page.contains(&format!("position error, as given</dt> <dd>{before}</dd>").replace("> <", "><")), "{last}");
     for shown in [

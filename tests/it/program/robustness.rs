@@ -285,7 +285,7 @@ fn strange_names_are_escaped_wherever_they_are_written() {
     assert_eq!(seen["name"], STRANGE);
     // Two of the measured poses are outside the workspace.
     bench.exits(3, "compensate <b>.toml <i>.csv -o l.csv");
-    bench.exits(3, "compensate o.toml l.csv -o again.csv --quiet");
+    bench.exits(3, "compensate o.toml l.csv -o again.csv --quiet --force");
     // As a label of each row, as a column, and in the remark above.
     let table = bench.text("l.csv");
     let rows = data.lines().filter(|l| !l.starts_with('#')).count() - 1;
