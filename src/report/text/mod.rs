@@ -174,16 +174,12 @@ pub fn calibration(c: &Calibration) -> String {
     }
     if c.registration.applied {
         let (b, t) = (&c.plausibility.base, &c.plausibility.target);
-        let part = |what: &str, p: &Pose| {
-            format!(
-                "{what} {} and rotated by {}",
-                show_length(p.position.norm()),
-                show_angle(rotation_vector(&p.rotation).norm())
-            )
-        };
-        text += &format!("\nFrames: {} in the tracker's frame", part("the base is away by", b));
+        let turned = |p: &Pose| show_angle(rotation_vector(&p.rotation).norm());
+        let away = show_length(b.position.norm());
+        text += &format!("\nFrames: the base is {away} away and rotated by {} in the tracker's frame", turned(b));
         if *t != Pose::identity() {
-            text += &format!(";\n        {} on the platform", part("the target is offset by", t));
+            let off = show_length(t.position.norm());
+            text += &format!(";\n        the target is offset by {off} and rotated by {} on the platform", turned(t));
         }
         text += ".\n        The calibrated model is in the frames of the measurement (commands take --frame base for\n        \
                  the other); the deviations above are those of the machine, without these motions.\n";
