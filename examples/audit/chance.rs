@@ -28,6 +28,10 @@ impl Chance {
     /// `found` are the true errors over the stated ones.
     pub(crate) fn of(trial: &Trial, result: &Calibration, found: [f64; 2], dice: &mut Dice) -> Option<Self> {
         let stated = result.predicted.as_ref()?;
+        // Of what is mounted in frames that were found their uncertainty is in what is stated, and in no covariance.
+        if result.mechanism.mounting().is_some() {
+            return None;
+        }
         let identified = &result.identification;
         let gains = gains(trial, result)?;
         let root = match gains[0].ncols() == identified.covariance.ncols() {

@@ -166,10 +166,10 @@ fn estimated(identifier: &dyn Identifier, problem: &mut CalibrationProblem<'_>) 
         Err(error @ (IdentifyError::NotConverged { .. } | IdentifyError::Solve(_))) => error,
         Err(error) => return Err(error),
     };
-    if problem.begin_at_closure() {
-        if let Ok(fit) = identifier.estimate(problem) {
-            return Ok((fit, true));
-        }
+    if problem.begin_at_closure()
+        && let Ok(fit) = identifier.estimate(problem)
+    {
+        return Ok((fit, true));
     }
     match failure {
         IdentifyError::NotConverged { last, .. } => Ok((*last, false)),
