@@ -37,7 +37,6 @@ mod preflight;
 mod question;
 mod search;
 
-#[cfg(feature = "report")]
 pub use answer::result::{
     AddedVariable, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound, NotTestable,
     Rival, Unknown, UnknownTest, Verdict,

@@ -187,8 +187,8 @@ pub enum FileError {
 /// What standard input held, once it was read.
 static STANDARD_INPUT: OnceLock<Vec<u8>> = OnceLock::new();
 
-/// What an input holds that was read before; `None` of a pipe.
-pub(crate) fn contents(path: &Path) -> Option<Vec<u8>> {
+/// What an input holds that was read before, standard input (`-`) included; `None` of a pipe, which cannot be read again.
+pub fn contents(path: &Path) -> Option<Vec<u8>> {
     if is_standard(path) {
         return STANDARD_INPUT.get().cloned();
     }

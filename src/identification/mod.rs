@@ -50,7 +50,6 @@ pub use judgement::model_errors::{ErrorSummary, ModelErrors, SampleError, evalua
 pub use judgement::plausibility::{Implausible, Plausibility, plausibility};
 pub use judgement::prediction::{pose_covariance, predicted_errors};
 pub use judgement::verdict::CalibrationVerdict;
-#[cfg(feature = "report")]
 pub use judgement::weak_directions::{WeakDirection, weak_directions};
 pub use problem::belief::{Belief, Conventions, GROUPS};
 pub use problem::calibration_problem::CalibrationProblem;
