@@ -24,9 +24,7 @@ mod table;
 mod urdf;
 mod urdf_options;
 
-pub use error::FileError;
-#[cfg(feature = "cli")]
-pub(crate) use error::contents;
+pub use error::{FileError, contents};
 pub use finding::{Finding, FindingKind};
 pub use machine::Machine;
 pub use mechanism::calibration::CalibrationSection;
