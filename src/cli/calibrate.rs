@@ -148,12 +148,15 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
 
     let mut document = machine.calibrated_document(&result, &measurement)?;
     result.compare_with_written(machine.errors_as_written(&document, &measurement));
-    document.calibration = Some(CalibrationSection {
-        data_sha256: sha256(&args.data),
-        drawing_sha256: sha256(&args.mechanism),
-        ..CalibrationSection::of_calibration(&result, &machine)
-    });
-    let written = args.output.as_ref().map(|path| outputs.add_mechanism(path, &document)).transpose()?;
+    let write = |path: &PathBuf| {
+        document.calibration = Some(CalibrationSection {
+            data_sha256: sha256(&args.data),
+            drawing_sha256: sha256(&args.mechanism),
+            ..CalibrationSection::of_calibration(&result, &machine)
+        });
+        outputs.add_mechanism(path, &document)
+    };
+    let written = args.output.as_ref().map(write).transpose()?;
     if let Some(path) = &args.covariance {
         outputs.add(path, covariance_table(&result).to_text())?;
     }

@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use crate::cli::ui::Ui;
 use crate::conditions::Conditions;
 use crate::files::{Machine, contents};
-use crate::identification::IdentifyError;
+use crate::identification::{IdentifyError, poses_from_home};
 use crate::measurement::{DataRow, Dataset};
-use crate::mechanism::{ForwardQuery, Mechanism};
+use crate::mechanism::Mechanism;
 use crate::report::html;
 use crate::units::Dimension;
 use anyhow::anyhow;
@@ -62,11 +62,7 @@ pub(crate) fn about(error: IdentifyError, machine: &Machine, path: &Path, data: 
 
 /// True if the mechanism reaches less than half of the samples.
 fn most_fail(machine: &Machine, data: &Dataset) -> bool {
-    let mechanism = machine.mechanism.as_ref();
-    let home = mechanism.home();
-    let queries: Vec<ForwardQuery<'_>> =
-        data.iter().map(|s| ForwardQuery::new(&s.joints, &s.conditions, home)).collect();
-    let failing = mechanism.forward_batch(mechanism.values(), &queries).iter().filter(|pose| pose.is_err()).count();
+    let failing = poses_from_home(machine.mechanism.as_ref(), data).iter().filter(|pose| pose.is_err()).count();
     2 * failing > data.len()
 }
 

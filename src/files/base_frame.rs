@@ -6,7 +6,6 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::identification::{carried_workspace, plausibility};
 use crate::measurement::Frames;
 use crate::mechanism::Body;
-use crate::pose::Pose;
 
 impl Machine {
     /// This machine in the frames of its base and platform instead of those in which it was measured: without the mounting of
@@ -41,17 +40,8 @@ impl Machine {
         let plain = self.plain();
         let stood = plausibility(self.commander(), plain.values());
         let back = Frames { base: stood.base.inverse(), target: stood.target.inverse() };
-        let mut values = plain.values().to_vec();
-        let bodies: [(Body, Pose); 2] = [(Body::Base, back.base), (Body::Platform, stood.target)];
-        for (body, motion) in bodies {
-            let points = body.points(plain, plain.values());
-            for (value, spec) in values.iter_mut().zip(plain.parameters()) {
-                let Some((leg, axis)) = body.coordinate(spec.role) else { continue };
-                if let Some((_, point)) = points.iter().find(|(l, _)| *l == leg) {
-                    *value = motion.place(point)[axis];
-                }
-            }
-        }
+        let values = Body::Base.moved(plain, plain.values(), &back.base);
+        let values = Body::Platform.moved(plain, &values, &stood.target);
         let home = back.measured(&plain.home());
         let moved =
             plain.with_values(&values, home).map_err(|cause| FileError::Geometry { path: self.path.clone(), cause })?;

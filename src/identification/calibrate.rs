@@ -52,7 +52,7 @@ pub fn calibrate(
     let mut solved = identified(mechanism, data, &nominal, options, identifier)?;
     // Without a stated noise the first fit tells how positions and angles compare.
     let rescaled;
-    let data = match noise_of_kinds(&solved.problem, &solved.fit)? {
+    let data = match noise_of_kinds(&solved.problem, &solved.fit) {
         Some(scales) => {
             rescaled = data.with_noise_of_kinds(scales);
             solved = identified(mechanism, &rescaled, &nominal, options, identifier)?;

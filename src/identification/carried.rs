@@ -1,6 +1,6 @@
 //! A result in the frames of the measurement.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 
 use crate::identification::error::IdentifyError;
 use crate::identification::estimators::identification::{Estimate, Identification};
@@ -48,12 +48,11 @@ fn carry(mechanism: &dyn Mechanism, found: &Identification, frames: &Frames) -> 
     let values = found.mechanism_values();
     let mut map = DMatrix::identity(n, n);
     for (body, motion) in [(Body::Base, frames.base), (Body::Platform, frames.target.inverse())] {
-        let points = body.points(mechanism, &values);
+        let moved = body.moved(mechanism, &values, &motion);
         let member = |k: usize| body.coordinate(specs[k].role);
         for k in 0..n {
             let Some((leg, axis)) = member(k) else { continue };
-            let point = points.iter().find(|(l, _)| *l == leg).map_or(Vector3::zeros(), |(_, p)| *p);
-            parameters[k].value = motion.place(&point)[axis];
+            parameters[k].value = moved[k];
             for j in 0..n {
                 if let Some((_, from)) = member(j).filter(|(l, _)| *l == leg) {
                     map[(k, j)] = motion.rotation[(axis, from)];

@@ -56,5 +56,7 @@ pub use problem::calibration_problem::CalibrationProblem;
 pub(crate) use problem::closure_fit::{ClosureFit, ClosureRow, Look};
 pub use problem::prior::{Prior, PriorPolicy};
 pub use problem::spectrum::DataSpectrum;
+#[cfg(feature = "cli")]
+pub(crate) use problem::start::poses_from_home;
 pub use registration::{Registration, register};
 pub use task::{Task, Weights};

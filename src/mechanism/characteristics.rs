@@ -31,7 +31,18 @@ impl Body {
         self.points_among(mechanism.parameters(), c)
     }
 
-    /// The same among any parameters and their values.
+    /// The parameters `c` with the body's points moved.
+    pub(crate) fn moved<M: Mechanism + ?Sized>(self, mechanism: &M, c: &[f64], motion: &Pose) -> Vec<f64> {
+        let points = self.points(mechanism, c);
+        let moved = |spec: &ParameterSpec| {
+            let (leg, axis) = self.coordinate(spec.role)?;
+            let (_, point) = points.iter().find(|(l, _)| *l == leg)?;
+            Some(motion.place(point)[axis])
+        };
+        mechanism.parameters().iter().zip(c).map(|(spec, value)| moved(spec).unwrap_or(*value)).collect()
+    }
+
+    /// The body's points among any parameters and their values, by leg.
     pub(super) fn points_among(self, specs: &[ParameterSpec], c: &[f64]) -> Vec<(usize, Vector3<f64>)> {
         let mut points: Vec<(usize, Vector3<f64>)> = Vec::new();
         for (spec, value) in specs.iter().zip(c) {

@@ -315,13 +315,17 @@ pub fn motion_of_point(
     let (pose, joints) = consistent(mechanism, c, pose, &at)?;
     let mut block = MotionBlock::sized_for(mechanism);
     mechanism.motion_block(c, &joints, &pose, &at, &mut block)?;
-    let lever = pose.rotation * pivot;
     let mut moved = DMatrix::from_column_slice(6, block.parameters.ncols(), block.parameters.as_slice());
-    for mut column in moved.column_iter_mut() {
-        let shift = Vector3::new(column[3], column[4], column[5]).cross(&lever);
+    carry_to_point(&mut moved, &(pose.rotation * pivot));
+    Ok(moved)
+}
+
+/// Turns small motions of the platform (columns) into those of a point of it, at `lever` from its origin in base axes.
+pub(crate) fn carry_to_point(motions: &mut DMatrix<f64>, lever: &Vector3<f64>) {
+    for mut column in motions.column_iter_mut() {
+        let shift = Vector3::new(column[3], column[4], column[5]).cross(lever);
         column.rows_mut(0, 3).add_assign(&shift);
     }
-    Ok(moved)
 }
 
 /// Motion block of any mechanism from its closure equations: `-J₁⁺ [J₂, Jⱼ]`.

@@ -49,7 +49,7 @@ pub use characteristics::{Body, characteristic_length, condition, rigid_directio
 use characteristics::{check_held, inverse_motion};
 pub use core::MechanismCore;
 pub use error::{GeometryError, KinematicsError};
-pub(crate) use kinematics::nearest_pose;
+pub(crate) use kinematics::{carry_to_point, nearest_pose};
 pub use kinematics::{
     consistent, continuation, forward_by_closure, forward_by_rows, motion_block_by_closure, motion_of_point,
 };

@@ -55,14 +55,9 @@ impl CalibrationSection {
             [("position_m", p.position_rms), ("rotation_rad", p.rotation_rms)].map(|(k, v)| (k.to_owned(), v))
         };
         Self {
-            program: Some(PROGRAM.into()),
-            rows: Some(result.identification.poses.len()),
-            frame: Some(if elsewhere { "measurement" } else { "base" }.into()),
-            trusted: Some(result.verdict.trusted),
-            reasons: result.verdict.reasons.clone(),
             noise_scale: result.identification.misfit.scale(),
             predicted: predicted.map(keys).into_iter().flatten().collect(),
-            ..Self::default()
+            ..Self::of(result.identification.poses.len(), elsewhere, result.verdict.trusted, &result.verdict.reasons)
         }
     }
 
@@ -73,12 +68,16 @@ impl CalibrationSection {
             Verdict::Unknown => vec!["the diagnosis found something that no effect of the model explains".to_owned()],
             _ => Vec::new(),
         };
+        Self::of(rows, elsewhere, reasons.is_empty(), &reasons)
+    }
+
+    fn of(rows: usize, elsewhere: bool, trusted: bool, reasons: &[String]) -> Self {
         Self {
             program: Some(PROGRAM.into()),
             rows: Some(rows),
             frame: Some(if elsewhere { "measurement" } else { "base" }.into()),
-            trusted: Some(reasons.is_empty()),
-            reasons,
+            trusted: Some(trusted),
+            reasons: reasons.to_vec(),
             ..Self::default()
         }
     }

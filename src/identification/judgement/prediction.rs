@@ -1,11 +1,9 @@
 //! How well the calibrated model predicts poses.
 
-use std::ops::AddAssign;
-
-use nalgebra::{DMatrix, Matrix6, Vector3};
+use nalgebra::{DMatrix, Matrix6};
 
 use crate::conditions::Conditions;
-use crate::mechanism::{KinematicsError, Mechanism, MotionBlock, motion_of_point};
+use crate::mechanism::{KinematicsError, Mechanism, MotionBlock, carry_to_point, motion_of_point};
 use crate::observability::{PredictedError, Spectrum};
 use crate::pose::{Pose, PoseConvention};
 
@@ -78,11 +76,7 @@ pub(crate) fn predicted_errors_as_seen(
     let block = |pose: &Pose| {
         let of_mechanism = motion_of_point(mechanism, pose, &convention.pivot).ok()?;
         let mut own = motion(pose)?;
-        let lever = pose.rotation * convention.pivot;
-        for mut column in own.column_iter_mut() {
-            let shift = Vector3::new(column[3], column[4], column[5]).cross(&lever);
-            column.rows_mut(0, 3).add_assign(&shift);
-        }
+        carry_to_point(&mut own, &(pose.rotation * convention.pivot));
         let mut block = of_mechanism.resize_horizontally(n + own.ncols(), 0.0);
         block.columns_mut(n, own.ncols()).copy_from(&own);
         Some(block)

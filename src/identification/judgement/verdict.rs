@@ -32,7 +32,7 @@ impl CalibrationVerdict {
 }
 
 /// A misfit this unlikely is not chance.
-pub(crate) const MISFIT: f64 = 1e-6;
+const MISFIT: f64 = 1e-6;
 /// Part of the samples that may be gross errors.
 const MOST_GROSS: f64 = 0.3;
 /// A sample with less weight than this has none.
