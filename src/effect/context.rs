@@ -44,6 +44,8 @@ pub struct Environment {
     /// The joints that are commanded for home, from which effects measure; those of the mechanism itself if absent. A
     /// calibrated mechanism has others than the drawing, but its effects were fitted with these.
     pub home_joints: Option<Vec<f64>>,
+    /// Directions of the legs at home, base frame, likewise ([`EffectContext::home_legs`]).
+    pub home_legs: Option<Vec<Option<Vector3<f64>>>>,
 }
 
 impl Environment {
@@ -172,12 +174,16 @@ impl Home {
             Some(stated) if stated.len() == n => stated.clone(),
             _ => own().unwrap_or_else(|_| vec![0.0; n]),
         };
-        let legs = leg_directions(mechanism, mechanism.values(), &mechanism.home());
+        let legs = match &environment.home_legs {
+            Some(stated) if stated.len() == n => stated.clone(),
+            _ => leg_directions(mechanism, mechanism.values(), &mechanism.home()),
+        };
         Self { joints: joints.into(), legs: legs.into() }
     }
 
-    pub(super) fn keep_joints(&mut self, other: &Self) {
-        self.joints = Arc::clone(&other.joints);
+    /// From the same joints and directions as another.
+    pub(super) fn keep(&mut self, other: &Self) {
+        self.clone_from(other);
     }
 }
 
@@ -223,8 +229,8 @@ impl<'a> EffectContext<'a> {
     }
 }
 
-/// Unit vectors from the base to the platform along the legs.
-fn leg_directions(mechanism: &dyn Mechanism, c: &[f64], pose: &Pose) -> Vec<Option<Vector3<f64>>> {
+/// Unit vectors from the base to the platform along the legs; `None` where a leg has no point on one of them.
+pub(crate) fn leg_directions(mechanism: &dyn Mechanism, c: &[f64], pose: &Pose) -> Vec<Option<Vector3<f64>>> {
     let mut directions = vec![None; mechanism.joints().len()];
     let base = Body::Base.points(mechanism, c);
     for (leg, a) in Body::Platform.points(mechanism, c) {

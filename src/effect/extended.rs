@@ -229,9 +229,9 @@ impl Mechanism for Extended {
         let effects = ActiveEffect::with_values(&self.effects, theta.iter().copied());
         let inner = self.inner.with_values(inner, home)?;
         let mut made = Self::new(inner, Arc::clone(&self.environment), effects);
-        // The values that effects had in the file stay the nominal ones, and they go on measuring from the same joints.
+        // The values that effects had in the file stay the nominal ones, and they go on measuring from the same home.
         made.core.parameters.clone_from(&self.core.parameters);
-        made.home.keep_joints(&self.home);
+        made.home.keep(&self.home);
         Ok(Box::new(made))
     }
 

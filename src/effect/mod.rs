@@ -36,6 +36,8 @@ use std::fmt::Debug;
 
 pub use catalogue::Catalogue;
 pub use compensator::{Compensated, Compensator, Extrapolated};
+#[cfg(feature = "files")]
+pub(crate) use context::leg_directions;
 pub use context::{AvailableData, EffectContext, Environment, Sensor, Site};
 #[cfg(feature = "files")]
 pub(crate) use extended::label;

@@ -105,6 +105,7 @@ pub fn calibrate(
     // Two frames may move against each other without anything to be seen; the parameters may not.
     let determined = found.parameters.iter().all(|p| p.sigma.is_some());
     let predicted = predict(mechanism, problem.data(), &as_seen, determined, &poses, &convention)?;
+    let predicted = predicted.and_then(|p| Some(p.times(found.misfit.widening()?)));
     // What is to be learned beyond placing the machine.
     let of_drawing = without_conventions(mechanism, tolerance_factors)
         .and_then(|covariance| predicted_errors(mechanism, &covariance, &poses, &convention));

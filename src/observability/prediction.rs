@@ -25,6 +25,18 @@ pub struct PredictedError {
 const AT_A_TIME: usize = 50;
 
 impl PredictedError {
+    /// With all errors this many times as large.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            position_rms: factor * self.position_rms,
+            position_max: factor * self.position_max,
+            rotation_rms: factor * self.rotation_rms,
+            rotation_max: factor * self.rotation_max,
+            ..self
+        }
+    }
+
     /// For blocks (6 × L: motion of a point, small rotation, per parameter) at the poses, and the covariance (L × L) of
     /// the parameters: `J_b Cov J_bᵀ` at each.
     pub fn over(blocks: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> Self {

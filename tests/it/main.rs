@@ -11,6 +11,7 @@ mod diagnosis;
 mod effect;
 mod files;
 mod identification;
+mod law;
 mod measurement;
 mod mechanism;
 #[cfg(feature = "cli")]

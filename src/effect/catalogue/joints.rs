@@ -125,9 +125,10 @@ impl Effect for Play {
 }
 
 fn needs_points(context: &EffectContext<'_>) -> Vec<String> {
-    let both = context.has_points(Body::Platform) && context.has_points(Body::Base);
+    let mechanism = context.mechanism;
+    let are_legs = |body: Body| body.points(mechanism, mechanism.values()).len() == context.joints();
     let known = context.home_legs().iter().all(Option::is_some);
-    if both && known && context.joints_are_lengths() {
+    if are_legs(Body::Platform) && are_legs(Body::Base) && known && context.joints_are_lengths() {
         Vec::new()
     } else {
         vec!["legs of variable length between points of both bodies".into()]

@@ -1,7 +1,7 @@
 //! From the words of a mechanism file to a [`Machine`]: units, ranges, and what does not fit together.
 
 use crate::conditions::Conditions;
-use crate::effect::{Environment, without_effects};
+use crate::effect::{Environment, leg_directions, without_effects};
 use crate::files::error::FileError;
 use crate::files::machine::Machine;
 use crate::files::mechanism::document::MechanismDocument;
@@ -40,7 +40,9 @@ pub(crate) fn build(
     let contact = document.plane.as_ref().map(|p| p.read(reader)).transpose()?.unwrap_or_default();
     let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
     let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
-    let environment = Environment { home_joints, ..environment(reader, &document, &options.condition_kinds)? };
+    let home_legs = Some(leg_directions(commander, commander.values(), &commander.home()));
+    let environment =
+        Environment { home_joints, home_legs, ..environment(reader, &document, &options.condition_kinds)? };
     let Effects { mechanism, instrument, environment } =
         with_effects(reader, &document, mechanism, environment, &options.catalogue)?;
     let mounting = document.mounting.as_ref().map(|m| m.read(reader)).transpose()?;

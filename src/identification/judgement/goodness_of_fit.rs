@@ -24,6 +24,17 @@ impl GoodnessOfFit {
         (self.degrees_of_freedom > 0).then(|| (self.chi_square / self.degrees_of_freedom as f64).sqrt())
     }
 
+    /// How much farther a prediction goes wrong because the size of the noise is itself estimated, `√(ν / (ν - 2))` with ν
+    /// degrees of freedom: σ of Student's distribution over that of the normal one. It is 1 where the noise is known, and
+    /// `None` where two degrees of freedom or fewer leave no finite σ.
+    pub fn widening(&self) -> Option<f64> {
+        let free = self.degrees_of_freedom as f64;
+        match self.noise_known {
+            true => Some(1.0),
+            false => (free > 2.0).then(|| (free / (free - 2.0)).sqrt()),
+        }
+    }
+
     /// Probability of a misfit at least this large by chance; `None` where the noise is not known or every row
     /// is used up by parameters.
     pub fn p_value(&self) -> Option<f64> {

@@ -89,12 +89,12 @@ pub(crate) fn judge(
             show_probability(1.0 - p)
         ));
     }
-    if found.misfit.degrees_of_freedom == 0 && !found.misfit.noise_known {
-        reasons.push(
-            "the readings do not outnumber the parameters and no noise is stated, so no uncertainty can be given; state \
-             [noise] or measure more samples"
-                .into(),
-        );
+    if found.misfit.widening().is_none() {
+        reasons.push(format!(
+            "no noise is stated, and the readings outnumber the parameters by {}, which is too few to tell it, so no uncertainty \
+             can be given; state [noise] or measure more samples",
+            found.misfit.degrees_of_freedom
+        ));
     } else if found.misfit.degrees_of_freedom == 0 {
         warnings.push(
             "the readings do not outnumber the parameters, so the fit cannot be checked against the noise".into(),
