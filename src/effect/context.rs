@@ -180,11 +180,6 @@ impl Home {
         };
         Self { joints: joints.into(), legs: legs.into() }
     }
-
-    /// From the same joints and directions as another.
-    pub(super) fn keep(&mut self, other: &Self) {
-        self.clone_from(other);
-    }
 }
 
 impl<'a> EffectContext<'a> {

@@ -231,7 +231,7 @@ impl Mechanism for Extended {
         let mut made = Self::new(inner, Arc::clone(&self.environment), effects);
         // The values that effects had in the file stay the nominal ones, and they go on measuring from the same home.
         made.core.parameters.clone_from(&self.core.parameters);
-        made.home.keep(&self.home);
+        made.home.clone_from(&self.home);
         Ok(Box::new(made))
     }
 
