@@ -15,8 +15,8 @@ use crate::files::CalibrationSection;
 /// Arguments of `diagnose`.
 #[derive(clap::Args)]
 #[command(after_help = "Example: paracal diagnose mechanisms/table5.toml measured.csv -o extended.toml\n\n\
-                        Verdicts: clean, named, tied (other names are not excluded), unknown (no name explains it), misread \
-                        (exit code 3; nothing is fitted).")]
+                        Verdicts: clean, named, tied (other names are not excluded), unknown (no name explains it), \
+                        undecided (the data cannot tell; exit code 3), misread (exit code 3; nothing is fitted).")]
 pub(crate) struct Args {
     #[command(flatten)]
     case: CaseArgs,
@@ -41,8 +41,8 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     progress.finish_and_clear();
     found.warnings.iter().for_each(|w| ui.warn(w));
     if let Some(path) = &args.output {
-        if found.verdict == Verdict::Misread {
-            ui.warn(&format!("{} is not written: the data were misread", path.display()));
+        if found.values.is_empty() {
+            ui.warn(&format!("{} is not written: nothing was identified", path.display()));
         } else {
             let mut document = machine.extended_document(&found).context("the extended model")?;
             document.calibration = Some(CalibrationSection {
@@ -64,5 +64,6 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
     }
     ui.write(outputs)?;
     ui.result(&text::diagnosis(&found, machine.mechanism.name()), &json::diagnosis(&found))?;
-    Ok(verdict(found.verdict != Verdict::Misread))
+    let misfit = found.unknown.as_ref().is_some_and(|u| u.kind() == "misfit");
+    Ok(verdict(!misfit && !matches!(found.verdict, Verdict::Misread | Verdict::Undecided)))
 }

@@ -44,7 +44,7 @@ pub(crate) fn run(args: &Args, ui: &Ui) -> Result<ExitCode> {
         ui.warn(&format!("{} is not written: there is no tie to settle", path.display()));
     }
     ui.result(&text::settlement(&found, &plans, machine.mechanism.name()), &json::settlement(&found, &plans))?;
-    Ok(verdict(found.verdict != Verdict::Misread))
+    Ok(verdict(!matches!(found.verdict, Verdict::Misread | Verdict::Undecided)))
 }
 
 /// Joints, the poses that they lead to, and the conditions of a plan.

@@ -31,7 +31,7 @@ pub struct Conditions {
 pub struct Run {
     /// 0-based data row.
     pub row: usize,
-    /// Part of the run that has passed: 0 at the first row, 1 at the last, by time, or by rows without it.
+    /// Part of the run that has passed: 0 at the first time, 1 at the last, or by rows without times.
     pub part: f64,
     /// Joint coordinates of all rows of the run, in file order.
     pub joints: Arc<[Vec<f64>]>,
@@ -46,7 +46,7 @@ impl Conditions {
     /// Puts states into the run in which they were measured: row, part, and the joints of all rows. The joints before are
     /// those of the row before; the first row is approached from `home`.
     ///
-    /// The part is that of the time if every state has one between those of the first and the last, else that of the rows.
+    /// The part is that of the time if every state has one and they differ, whatever the order of the rows; else that of the rows.
     pub fn put_in_run(states: &mut [Self], joints: Vec<Vec<f64>>, home: Option<&[f64]>) {
         let parts = parts(states);
         let joints: Arc<[Vec<f64>]> = joints.into();
@@ -79,15 +79,26 @@ impl Conditions {
 /// How much of a run has passed at each of its states.
 fn parts(states: &[Conditions]) -> Vec<f64> {
     let times: Option<Vec<f64>> = states.iter().map(|s| s.get(TIME)).collect();
-    if let Some(times) = times
-        && let [first, .., last] = times[..]
-        && first < last
-        && times.iter().all(|t| (first..=last).contains(t))
-    {
+    let extent = times.as_deref().and_then(extent);
+    if let (Some(times), Some((first, last))) = (times, extent) {
         return times.iter().map(|t| (t - first) / (last - first)).collect();
     }
     let last = states.len().saturating_sub(1).max(1) as f64;
     (0..states.len()).map(|row| row as f64 / last).collect()
+}
+
+/// The first and the last time of a run; `None` where time stands still, or where rows are in no order and one clock is far off.
+fn extent(times: &[f64]) -> Option<(f64, f64)> {
+    let (first, last) = (*times.first()?, *times.last()?);
+    if first < last && times.iter().all(|t| (first..=last).contains(t)) {
+        return Some((first, last));
+    }
+    let mut ordered = times.to_vec();
+    ordered.sort_by(f64::total_cmp);
+    let (first, last) = (ordered[0], ordered[ordered.len() - 1]);
+    let far = |gap: f64| gap > 0.5 * (last - first);
+    let alone = ordered.len() < 4 || far(ordered[1] - first) || far(last - ordered[ordered.len() - 2]);
+    (first < last && !alone).then_some((first, last))
 }
 
 #[cfg(test)]
@@ -116,6 +127,8 @@ mod tests {
         assert_eq!(run_at(&[Some(10.0), Some(10.0), Some(10.0)]), [0.0, 0.5, 1.0]);
         // One clock that is far off must not stretch the others together.
         assert_eq!(run_at(&[Some(10.0), Some(1e6), Some(14.0)]), [0.0, 0.5, 1.0]);
+        // Rows in another order have their times still.
+        assert_eq!(run_at(&[Some(12.0), Some(14.0), Some(10.0), Some(11.0)]), [0.5, 1.0, 0.0, 0.25]);
         assert_eq!(run_at(&[None]), [0.0]);
         assert_eq!(run_at(&[]), [0.0; 0]);
     }

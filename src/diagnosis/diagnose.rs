@@ -3,19 +3,23 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use nalgebra::DVector;
+
 use crate::diagnosis::answer::findings::findings;
 use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::preflight::compare::preflight;
 use crate::diagnosis::question::{Question, TOLERANCES};
+use crate::diagnosis::search::agreement::stuck;
 use crate::diagnosis::search::iteration::Search;
 use crate::effect::Environment;
 use crate::identification::{
     CalibrationProblem, Conventions, ErrorSummary, Identifier, LevenbergMarquardt, Prior, PriorPolicy, Task, register,
 };
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, Rows};
 use crate::mechanism::Mechanism;
+use crate::pose::Pose;
 use crate::units::shortened;
 
 /// Samples that can be searched in minutes, with a few gigabytes.
@@ -35,6 +39,9 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     if let Some(misread) = preflight(mechanism, data, convention, &prior) {
         return Ok(misread_file(data, misread));
     }
+    if let Some(reason) = standing_still(mechanism, data) {
+        return Ok(undecided(data, reason));
+    }
     let (data, gaps) = complete_rows(data);
     let registration = register(mechanism, &data);
     let data = data.with_frames(registration.frames);
@@ -45,7 +52,10 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let environment = Arc::new(question.environment.with_references_of(&data));
     let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
     let known = question.noise_known && data.noise.known;
-    let state = Search { subject: &subject, known }.reweighted()?;
+    let state = match (Search { subject: &subject, known }).reweighted() {
+        Err(error @ DiagnoseError::TooFewRows { .. }) => return Ok(undecided(&data, error.to_string())),
+        state => state?,
+    };
     let mut found = findings(question, &subject, &state, missing, &registration)?;
     found.warnings.extend(gaps);
     Ok(found)
@@ -87,12 +97,44 @@ fn complete_rows(data: &Dataset) -> (Dataset, Vec<String>) {
     (data.subset(&kept), vec![warning])
 }
 
+/// What there is to say of an instrument whose readings do not follow the commands, if it is so.
+fn standing_still(mechanism: &dyn Mechanism, data: &Dataset) -> Option<String> {
+    let own: Vec<f64> = data.model().nuisance_parameters().iter().map(|_| 0.0).collect();
+    let residuals = |pose: &dyn Fn(usize) -> Option<Pose>| -> Option<Vec<DVector<f64>>> {
+        (0..data.len())
+            .map(|k| {
+                let mut out = Rows::sized(data.rows(k).len(), own.len());
+                data.evaluate(k, &pose(k)?, &own, &mut out);
+                // In units of the noise.
+                let sigma = data.covariance(k).diagonal().map(f64::sqrt);
+                Some(out.residual.component_div(&sigma))
+            })
+            .collect()
+    };
+    let home = mechanism.home();
+    let commanded = |k: usize| {
+        let sample = data.sample(k);
+        mechanism.forward(mechanism.values(), &sample.joints, &sample.conditions, &home).ok()
+    };
+    stuck(data, &residuals(&|_| Some(home))?, &residuals(&commanded)?)
+}
+
 fn misread_file(data: &Dataset, misread: Misread) -> Diagnosis {
+    Diagnosis { verdict: Verdict::Misread, misread: Some(misread), ..without_answer(data) }
+}
+
+fn undecided(data: &Dataset, reason: String) -> Diagnosis {
+    Diagnosis { verdict: Verdict::Undecided, undecided: Some(reason), ..without_answer(data) }
+}
+
+/// Nothing was fitted.
+fn without_answer(data: &Dataset) -> Diagnosis {
     Diagnosis {
-        verdict: Verdict::Misread,
+        verdict: Verdict::Undecided,
+        undecided: None,
         causes: Vec::new(),
         unknown: None,
-        misread: Some(misread),
+        misread: None,
         outlier_rows: Vec::new(),
         residuals: Vec::new(),
         noise_varies: None,

@@ -1,6 +1,6 @@
 //! From residuals to causes: what the model gets wrong, and why.
 //!
-//! Even the best-fit kinematic parameters leave a residual. [`diagnose`] always gives one of five answers:
+//! Even the best-fit kinematic parameters leave a residual. [`diagnose`] always gives one of six answers:
 //!
 //! | verdict | meaning |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | named | causes of the [catalogue](crate::effect::Catalogue) explain it |
 //! | tied | they do, but the data do not exclude other names |
 //! | unknown | an error depends on a covariate, or is at a leg, and no name explains it |
+//! | undecided | the data cannot tell: too few rows, or an instrument that stands still |
 //! | misread | the file was read wrongly: a sign, a unit, an order |
 //!
 //! The steps, with their files:
@@ -38,8 +39,8 @@ mod question;
 mod search;
 
 pub use answer::result::{
-    AddedVariable, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound, NotTestable,
-    Rival, Unknown, UnknownTest, Verdict,
+    AddedVariable, COORDINATES, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound,
+    NotTestable, Rival, Unknown, UnknownTest, Verdict,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnoseError;

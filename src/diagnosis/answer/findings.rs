@@ -11,12 +11,13 @@ use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::question::Question;
-use crate::diagnosis::search::covariates::covariates;
+use crate::diagnosis::search::agreement::{exceeds_repeats, noise_exceeded};
+use crate::diagnosis::search::covariates::{coordinates_of_pose, covariates};
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::remainder::{remainder, rival, worth_of};
 use crate::diagnosis::search::stepwise::TIED;
-use crate::identification::Registration;
-use crate::units::three_digits;
+use crate::identification::{ErrorSummary, Registration};
+use crate::units::{Dimension, three_digits};
 
 /// Residuals this many times the stated noise belong to another mechanism, or to none.
 const HOPELESS: f64 = 100.0;
@@ -37,29 +38,34 @@ pub(crate) fn findings(
         _ => Some(state.with_names(subject, Vec::new())?),
     };
     let without = alone.as_ref().unwrap_or(model);
-    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without)?;
+    let kept = state.kept().samples();
+    let gains = gain(question, without, model, &kept);
+    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without, &gains)?;
     let (judged, names) = if withdrawn { (without, Vec::new()) } else { (model, state.names().to_vec()) };
     let mut effects = if withdrawn { Vec::new() } else { state.point.effects.clone() };
-    let kept = state.kept().samples();
     let (not_found, unseen) = not_found(subject, judged, without, &names, &causes);
     not_testable.extend(unseen);
     for effect in &mut effects {
         effect.range = effect.range_over(&subject.data.subset(&kept), &subject.environment.condition_kinds);
     }
+    let gains = if withdrawn { gains.without_causes() } else { gains };
+    let (before, after) = [without, judged].map(|m| rms(m.table(), &m.residual, &kept)).into();
+    let undecided = undecided(&gains, &after, !causes.is_empty() || unknown.is_some());
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
     Ok(Diagnosis {
-        verdict: verdict(&causes, unknown.as_ref()),
+        verdict: verdict(&causes, unknown.as_ref(), undecided.as_ref()),
+        undecided,
         misread: None,
         outlier_rows: state.kept().left_out.iter().map(|k| subject.data.sample(*k).row).collect(),
         residuals: joint_residuals(subject, without, judged),
         noise_varies: state.noise_varies.clone(),
         correlation: state.correlation,
-        gain: gain(question, without, judged, &kept),
+        gain: gains,
         not_found,
         not_testable,
-        before: rms(without.table(), &without.residual, &kept),
-        after: rms(judged.table(), &judged.residual, &kept),
+        before,
+        after,
         noise_scale: judged.noise.variance().sqrt() * state.spreads.kinds.map_or(1.0, |[p, r]| (p * r).sqrt()),
         samples: subject.data.len(),
         joints: subject.mechanism.joints().iter().map(|j| j.name.clone()).collect(),
@@ -83,11 +89,20 @@ struct Conclusion {
 }
 
 /// Judges the names that the search found by what they leave.
-fn conclude(subject: &Hypotheses<'_>, state: &SearchState, without: &Model) -> Result<Conclusion, DiagnoseError> {
+fn conclude(
+    subject: &Hypotheses<'_>,
+    state: &SearchState,
+    without: &Model,
+    gains: &Gain,
+) -> Result<Conclusion, DiagnoseError> {
     let (model, names) = (&state.model, state.names());
     let known = covariates(subject.data, &subject.environment.condition_kinds);
+    let mut everything = known.clone();
+    if !subject.is_pose_space() {
+        everything.extend(coordinates_of_pose(subject.mechanism, subject.data));
+    }
     let mut causes = causes(subject, state, model)?;
-    let mut unknown = remainder(model, &known).filter(|u| !is_rounding(without, model, u.leg));
+    let mut unknown = remainder(model, &everything).filter(|u| !is_rounding(without, model, u.leg));
     let mut withdrawn = false;
     if !names.is_empty() {
         let worth = worth_of(without, &subject.groups, names) - price_of_places(subject, names);
@@ -103,16 +118,91 @@ fn conclude(subject: &Hypotheses<'_>, state: &SearchState, without: &Model) -> R
             ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
+    if let Some(test) = harms(&causes, gains).filter(|_| !withdrawn) {
+        let names = causes.drain(..).map(|c| c.effect).collect();
+        withdrawn = true;
+        unknown = Some(Unknown { withdrawn: names, ..Unknown::by(test, 0.0) });
+    }
     if subject.data.noise.known && is_hopeless(subject, if withdrawn { without } else { model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         withdrawn = true;
         unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
     }
+    if unknown.is_none() {
+        unknown = exceeds_repeats(model, subject.data);
+    }
+    if unknown.is_none() && causes.is_empty() && subject.data.noise.known {
+        unknown = noise_exceeded(model, &state.spreads);
+    }
+    let unknown = unknown.map(|u| Unknown { dimension: dimension(subject, &u), ..u });
     Ok(Conclusion { causes, unknown, withdrawn })
 }
 
-fn verdict(causes: &[Cause], unknown: Option<&Unknown>) -> Verdict {
+/// The dimension of what acts where an unknown error acts.
+fn dimension(subject: &Hypotheses<'_>, unknown: &Unknown) -> Dimension {
+    match (unknown.leg, unknown.coordinate) {
+        (Some(joint), _) => subject.mechanism.joints()[joint].dimension,
+        (None, Some(0..3)) => Dimension::Length,
+        (None, Some(_)) => Dimension::Angle,
+        (None, None) => Dimension::None,
+    }
+}
+
+/// A value this many usual sizes large is none of the effect, whatever fits.
+const ABSURD: f64 = 300.0;
+/// Names that make rows of a block that was not fitted this many times worse are wrong, or known too badly to be used.
+const WORSE: f64 = 3.0;
+
+/// Whether names would do harm: by values that do not exist, or by what they make of rows that were not fitted.
+fn harms(causes: &[Cause], gains: &Gain) -> Option<UnknownTest> {
+    let absurd = |c: &Cause| c.parameters.iter().any(|p| p.value.abs() > ABSURD * p.scale);
+    let worse =
+        |before: Option<f64>, after: Option<f64>| matches!((before, after), (Some(b), Some(a)) if a > WORSE * b);
+    let in_blocks = worse(gains.blocked_position_before, gains.blocked_position_after)
+        || worse(gains.blocked_rotation_before, gains.blocked_rotation_after);
+    let at_random =
+        worse(gains.position_before, gains.position_after) || worse(gains.rotation_before, gains.rotation_after);
+    if causes.is_empty() {
+        None
+    } else if causes.iter().any(absurd) {
+        Some(UnknownTest::Misfit)
+    } else {
+        (in_blocks || at_random).then_some(UnknownTest::Extrapolation)
+    }
+}
+
+/// Errors on rows that were not fitted this many times those of the fitted ones, and far above the stated noise, mean that the
+/// rows hardly decide the parameters.
+const UNHELD: f64 = 10.0;
+
+/// Why the data cannot tell whether there is anything, if they cannot.
+fn undecided(gains: &Gain, left: &ErrorSummary, found: bool) -> Option<String> {
+    if found {
+        return None;
+    }
+    let pairs = [(gains.position_before, left.position), (gains.rotation_before, left.rotation)];
+    if pairs.iter().all(|(held_out, _)| held_out.is_none()) {
+        return Some(
+            "without a fifth of the rows the others do not decide the parameters, so that nothing can be checked on rows that \
+             were not fitted: measure more, and more varied, poses"
+                .into(),
+        );
+    }
+    let floors = [gains.noise_floor_position, gains.noise_floor_rotation];
+    let far = pairs.iter().zip(floors).any(|((held_out, left), floor)| match (held_out, left) {
+        (Some(held_out), Some(left)) => *held_out > UNHELD * left.max(floor.unwrap_or(0.0)),
+        _ => false,
+    });
+    far.then(|| {
+        "rows that were not fitted are missed by more than ten times what is left of the fitted ones: there are too few rows for \
+         so many parameters; measure more, and more varied, poses"
+            .into()
+    })
+}
+
+fn verdict(causes: &[Cause], unknown: Option<&Unknown>, undecided: Option<&String>) -> Verdict {
     match unknown {
+        _ if undecided.is_some() => Verdict::Undecided,
         Some(_) => Verdict::Unknown,
         None if causes.is_empty() => Verdict::Clean,
         None if causes.iter().any(|c| !c.tied_with.is_empty()) => Verdict::Tied,
@@ -214,6 +304,8 @@ fn gain(question: &Question<'_>, without: &Model, with: &Model, kept: &[usize]) 
         rotation_after: after.and_then(|e| e.rotation),
         blocked_position_before: blocked_before.and_then(|e| e.position),
         blocked_position_after: blocked_after.and_then(|e| e.position),
+        blocked_rotation_before: blocked_before.and_then(|e| e.rotation),
+        blocked_rotation_after: blocked_after.and_then(|e| e.rotation),
         noise_floor_position: floor(noise.position),
         noise_floor_rotation: floor(noise.rotation),
     }

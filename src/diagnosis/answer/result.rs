@@ -5,7 +5,7 @@ use crate::identification::ErrorSummary;
 use crate::measurement::{DataRow, Frames};
 use crate::units::Dimension;
 
-/// One of five answers, always.
+/// One of six answers, always.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The residuals are noise.
@@ -16,6 +16,8 @@ pub enum Verdict {
     Tied,
     /// Something is left that no name explains.
     Unknown,
+    /// The data cannot tell.
+    Undecided,
     /// The file was read wrongly.
     Misread,
 }
@@ -28,6 +30,7 @@ impl Verdict {
             Self::Named => "named",
             Self::Tied => "tied",
             Self::Unknown => "unknown",
+            Self::Undecided => "undecided",
             Self::Misread => "misread",
         }
     }
@@ -133,16 +136,20 @@ pub struct JointResiduals {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum UnknownTest {
-    /// A polynomial in a covariate, on one leg.
+    /// A polynomial in a covariate, at one leg or in one coordinate.
     Smooth,
-    /// A step at one value of a covariate, on one leg.
+    /// A step at one value of a covariate, at one leg or in one coordinate.
     Jump,
-    /// A sine in a covariate, on one leg.
+    /// A sine in a covariate, at one leg or in one coordinate.
     Wave,
     /// The variance along one leg against the others.
     Scatter,
-    /// The length of the residual where the noise is known.
+    /// The length of the residual where the noise is stated.
     Size,
+    /// Samples of the same commands in the same conditions, which agree with each other far better than with the model.
+    Repeats,
+    /// Names that fit and make rows that were not fitted worse.
+    Extrapolation,
     /// Jumps and drifts that are stacked on each other and only trace something that changes with time.
     Patchwork,
     /// Residuals far above the stated noise, as of another mechanism.
@@ -158,6 +165,8 @@ impl UnknownTest {
             Self::Wave => "wave",
             Self::Scatter => "scatter",
             Self::Size => "size",
+            Self::Repeats => "repeats",
+            Self::Extrapolation => "extrapolation",
             Self::Patchwork => "patchwork",
             Self::Misfit => "misfit",
         }
@@ -172,6 +181,17 @@ pub struct Unknown {
     pub covariate: Option<String>,
     /// Where, leg from 0.
     pub leg: Option<usize>,
+    /// Where, if it moves the platform as it is seen and no leg: 0 to 5 for the shifts along the axes of the base and the turns
+    /// about them ([`COORDINATES`]).
+    pub coordinate: Option<usize>,
+    /// How large it is where it acts, SI: half of the range of its course, the height of a jump, the residual over the noise.
+    pub size: Option<f64>,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// The value of the covariate at a jump, SI.
+    pub from: Option<f64>,
+    /// Values of the covariate and what acts there, SI, in the order of the covariate; empty where nothing was recorded.
+    pub course: Vec<[f64; 2]>,
     /// Which test found it.
     pub test: UnknownTest,
     /// Its probability by chance, all tests of its kind counted.
@@ -184,10 +204,36 @@ pub struct Unknown {
     pub withdrawn: Vec<String>,
 }
 
+/// Names of the coordinates of a pose.
+pub const COORDINATES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
 impl Unknown {
     /// Found by a test, and depending on nothing.
     pub(crate) fn by(test: UnknownTest, p_value: f64) -> Self {
-        Self { covariate: None, leg: None, test, p_value, period: None, runner_up: None, withdrawn: Vec::new() }
+        Self {
+            covariate: None,
+            leg: None,
+            coordinate: None,
+            size: None,
+            dimension: Dimension::None,
+            from: None,
+            course: Vec::new(),
+            test,
+            p_value,
+            period: None,
+            runner_up: None,
+            withdrawn: Vec::new(),
+        }
+    }
+
+    /// The word of the format for what it is: `covariate` depends on something that was recorded, `noise` exceeds the stated
+    /// noise or that of repeated samples, `misfit` fits the mechanism not at all.
+    pub fn kind(&self) -> &'static str {
+        match (self.test, &self.covariate) {
+            (UnknownTest::Misfit | UnknownTest::Extrapolation, _) => "misfit",
+            (_, Some(_)) => "covariate",
+            (_, None) => "noise",
+        }
     }
 }
 
@@ -233,10 +279,27 @@ pub struct Gain {
     pub blocked_position_before: Option<f64>,
     /// Position error with the causes where contiguous blocks were held out, m.
     pub blocked_position_after: Option<f64>,
+    /// Angle error without causes where contiguous blocks were held out, rad.
+    pub blocked_rotation_before: Option<f64>,
+    /// Angle error with the causes where contiguous blocks were held out, rad.
+    pub blocked_rotation_after: Option<f64>,
     /// √3 σ of the stated noise, m.
     pub noise_floor_position: Option<f64>,
     /// √3 σ of the stated noise of the angles, rad.
     pub noise_floor_rotation: Option<f64>,
+}
+
+impl Gain {
+    /// The same where no cause is kept.
+    pub(crate) fn without_causes(self) -> Self {
+        Self {
+            position_after: self.position_before,
+            rotation_after: self.rotation_before,
+            blocked_position_after: self.blocked_position_before,
+            blocked_rotation_after: self.blocked_rotation_before,
+            ..self
+        }
+    }
 }
 
 /// An effect that was tested and not found.
@@ -267,8 +330,10 @@ pub struct NotTestable {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Diagnosis {
-    /// One of five answers.
+    /// One of six answers.
     pub verdict: Verdict,
+    /// Why the data cannot tell, if they cannot.
+    pub undecided: Option<String>,
     /// Named causes, by evidence.
     pub causes: Vec<Cause>,
     /// The error that no name explains.

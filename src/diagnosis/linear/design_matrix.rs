@@ -2,7 +2,7 @@
 //!
 //! At one point of the parameters the whitened residual `r = W(ŷ - y)` and all its columns are computed once: those of
 //! the parameters of the mechanism and of the measurement (the *nuisance*, which every question is asked beside),
-//! one for each parameter of each effect, and one for a unit displacement of each joint. Everything else is
+//! one for each parameter of each effect, and one for a unit displacement of each joint and of each coordinate. Everything else is
 //! linear algebra on this table.
 
 use std::ops::Range;
@@ -10,6 +10,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::linear::spreads::Spreads;
+use crate::diagnosis::linear::unit_motion::Place;
 use crate::measurement::RowKind;
 
 /// Columns of the table that act from one row on.
@@ -36,6 +37,9 @@ pub(crate) struct DesignMatrix {
     pub(crate) nuisance: usize,
     /// Columns of unit joint displacements.
     pub(crate) joints: Range<usize>,
+    /// Columns of unit displacements of what is seen of the platform, along its six coordinates; empty where they are the
+    /// joints.
+    pub(crate) coordinates: Range<usize>,
     /// Precision of the prior on the nuisance, in units of the stated noise.
     pub(crate) precision: DMatrix<f64>,
     /// Its gradient at the point.
@@ -101,6 +105,19 @@ impl DesignMatrix {
         let mut columns = self.a_t.rows(block.columns.start, block.columns.len()).transpose();
         columns.rows_mut(0, block.first).fill(0.0);
         columns
+    }
+
+    /// Everywhere that a nameless error may act.
+    pub(crate) fn places(&self) -> impl Iterator<Item = Place> {
+        (0..self.joints.len()).map(Place::Joint).chain((0..self.coordinates.len()).map(Place::Coordinate))
+    }
+
+    /// The column of a unit displacement at a place.
+    pub(crate) fn column_of(&self, place: Place) -> usize {
+        match place {
+            Place::Joint(k) => self.joints.start + k,
+            Place::Coordinate(k) => self.coordinates.start + k,
+        }
     }
 
     /// Number of samples.

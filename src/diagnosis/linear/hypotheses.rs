@@ -10,7 +10,7 @@ use crate::diagnosis::answer::result::NotTestable;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::spreads::Spreads;
-use crate::diagnosis::linear::unit_joint::UnitJoint;
+use crate::diagnosis::linear::unit_motion::UnitMotion;
 use crate::effect::{
     ActiveEffect, ActsOn, AvailableData, Catalogue, Effect, EffectContext, EffectParameter, Environment, Extended,
     Scan, ScanPoint, WithInstrumentEffects,
@@ -113,6 +113,11 @@ impl<'a> Hypotheses<'a> {
         EffectContext::new(self.mechanism, &self.environment).is_pose_space()
     }
 
+    /// Coordinates at which nameless errors are looked for: none where they are the joints.
+    fn coordinates(&self) -> usize {
+        if self.is_pose_space() { 0 } else { 6 }
+    }
+
     /// The mechanism with the effects of a point and its values.
     fn extended(&self, point: &Point, asked: &[ActiveEffect]) -> Result<Extended, DiagnoseError> {
         let inner = self.mechanism.with_values(&point.values, self.mechanism.home())?;
@@ -120,7 +125,7 @@ impl<'a> Hypotheses<'a> {
         Ok(Extended::new(inner, Arc::clone(&self.environment), all))
     }
 
-    /// Everything that is asked, with values of zero; or unit displacements of the joints alone.
+    /// Everything that is asked, with values of zero; or unit displacements alone.
     fn asked(&self, effects: bool) -> Vec<ActiveEffect> {
         let zero = |effect: &Arc<dyn Effect>, at: ScanPoint, count: usize| ActiveEffect {
             effect: Arc::clone(effect),
@@ -132,8 +137,12 @@ impl<'a> Hypotheses<'a> {
         for group in self.groups.iter().filter(|_| effects) {
             asked.extend(group.places.iter().map(|p| zero(&group.effect, p.at.clone(), group.parameters.len())));
         }
-        let unit: Arc<dyn Effect> = Arc::new(UnitJoint);
-        asked.push(zero(&unit, ScanPoint::none(), self.mechanism.joints().len()));
+        let mut unit = |motion: UnitMotion, count: usize| {
+            let unit: Arc<dyn Effect> = Arc::new(motion);
+            asked.push(zero(&unit, ScanPoint::none(), count));
+        };
+        unit(UnitMotion::Joints, self.mechanism.joints().len());
+        unit(UnitMotion::Coordinates, self.coordinates());
         asked
     }
 
@@ -173,13 +182,15 @@ impl<'a> Hypotheses<'a> {
         }
         let (precision, gradient, penalty) = self.prior.quadratic(&point.values, nuisance);
         let m = parts.r.len();
+        let first_coordinate = from.len() - self.coordinates();
         let mut table = DesignMatrix {
             a_t: DMatrix::from_vec(from.len(), m, parts.a_t),
             r: DVector::from_vec(parts.r),
             rows: parts.rows,
             kinds: parts.kinds,
             nuisance,
-            joints: from.len() - self.mechanism.joints().len()..from.len(),
+            joints: first_coordinate - self.mechanism.joints().len()..first_coordinate,
+            coordinates: first_coordinate..from.len(),
             precision,
             gradient,
             penalty,

@@ -186,6 +186,7 @@ mod tests {
             kinds: vec![RowKind::Position; rows],
             nuisance: 10,
             joints: 94..100,
+            coordinates: 0..0,
             precision: DMatrix::zeros(10, 10),
             gradient: DVector::zeros(10),
             penalty: 0.0,

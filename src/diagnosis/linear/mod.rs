@@ -6,11 +6,11 @@
 pub(crate) mod design_matrix;
 pub(crate) mod hypotheses;
 pub(crate) mod hypothesis;
-pub(crate) mod joint_functions;
 pub(crate) mod kept_rows;
 pub(crate) mod model;
 pub(crate) mod normal_equations;
+pub(crate) mod place_functions;
 pub(crate) mod score_test;
 pub(crate) mod spreads;
 pub(crate) mod statistics;
-pub(crate) mod unit_joint;
+pub(crate) mod unit_motion;

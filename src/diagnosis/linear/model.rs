@@ -18,11 +18,12 @@ use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::{Block, DesignMatrix};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
-use crate::diagnosis::linear::joint_functions::JointSamples;
 use crate::diagnosis::linear::kept_rows::{BlockProducts, KeptRows, between};
 use crate::diagnosis::linear::normal_equations::{inverse_factor, residual};
+use crate::diagnosis::linear::place_functions::PlaceSamples;
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::Noise;
+use crate::diagnosis::linear::unit_motion::Place;
 
 /// How a model is fitted.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +50,7 @@ pub(crate) struct Model {
     /// The residual of the fit; zero where samples are left out.
     pub(crate) residual: DVector<f64>,
     pub(crate) noise: Noise,
-    inflation: f64,
+    pub(crate) inflation: f64,
     q_t: OnceLock<DMatrix<f64>>,
     w: OnceLock<DMatrix<f64>>,
     gradient: OnceLock<DVector<f64>>,
@@ -267,10 +268,10 @@ impl Model {
         (table.r.rows(first, n) - q_t.tr_mul(&self.t), q_t)
     }
 
-    /// The unit displacement of a joint in each sample by itself.
-    pub(crate) fn joint_samples(&self, joint: usize) -> JointSamples {
+    /// The unit displacement of a place in each sample by itself.
+    pub(crate) fn samples_at(&self, place: Place) -> PlaceSamples {
         let (table, q_t) = (self.table(), self.q_t());
-        let column = table.joints.start + joint;
+        let column = table.column_of(place);
         let samples = table.samples();
         let mut w = DMatrix::zeros(q_t.nrows(), samples);
         let mut square = DVector::zeros(samples);
@@ -283,7 +284,7 @@ impl Model {
                 along[k] += v * self.residual[row];
             }
         }
-        JointSamples { w, square, along, inflation: self.inflation }
+        PlaceSamples { w, square, along, inflation: self.inflation }
     }
 }
 

@@ -1,7 +1,10 @@
 //! Covariates recorded with the samples, and those that follow from the commands.
 
 use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
+use crate::diagnosis::answer::result::COORDINATES;
 use crate::measurement::Dataset;
+use crate::mechanism::{ForwardQuery, Mechanism, characteristic_length};
+use crate::pose::{Pose, PoseConvention};
 
 /// A covariate of every sample.
 #[derive(Clone, Debug)]
@@ -12,6 +15,8 @@ pub(crate) struct Covariate {
     pub(crate) values: Vec<f64>,
     /// True if waves in it are looked for.
     pub(crate) waves: bool,
+    /// True for a coordinate of the pose: only what is of first and second order in it is looked for.
+    pub(crate) of_pose: bool,
 }
 
 impl Covariate {
@@ -32,7 +37,7 @@ pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariat
     let mut add = |name: String, leg: Option<usize>, waves: bool, get: &dyn Fn(usize) -> Option<f64>| {
         let values: Option<Vec<f64>> = (0..data.len()).map(get).collect();
         if let Some(values) = values {
-            let covariate = Covariate { name, leg, values, waves };
+            let covariate = Covariate { name, leg, values, waves, of_pose: false };
             let (low, high) = covariate.range();
             if high - low > 1e-9 * low.abs().max(high.abs()) {
                 all.push(covariate);
@@ -66,6 +71,34 @@ pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariat
     }
     all
 }
+
+/// Where the platform is commanded to be, as covariates of what depends on the pose; none that hardly changes, and none of a
+/// mechanism whose joints they are.
+pub(crate) fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covariate> {
+    let home = mechanism.home();
+    let queries: Vec<ForwardQuery<'_>> =
+        data.iter().map(|s| ForwardQuery::new(&s.joints, &s.conditions, home)).collect();
+    let poses: Result<Vec<Pose>, _> = mechanism.forward_batch(mechanism.values(), &queries).into_iter().collect();
+    let Ok(poses) = poses else { return Vec::new() };
+    let convention = PoseConvention::default();
+    let seen: Vec<[f64; 6]> = poses.iter().map(|pose| convention.coordinates(pose)).collect();
+    let sizes = [characteristic_length(mechanism), 1.0];
+    (0..6)
+        .map(|k| Covariate {
+            name: COORDINATES[k].into(),
+            leg: None,
+            values: seen.iter().map(|q| q[k]).collect(),
+            waves: false,
+            of_pose: true,
+        })
+        .enumerate()
+        .filter(|(k, c)| c.range().1 - c.range().0 > MOVES * sizes[k / 3])
+        .map(|(_, covariate)| covariate)
+        .collect()
+}
+
+/// Part of the size of the platform (or of a radian) by which a coordinate must change.
+const MOVES: f64 = 1e-6;
 
 fn searched(role: Role) -> bool {
     matches!(role, Role::Commanded(Commanded::Coordinate | Commanded::Travel))

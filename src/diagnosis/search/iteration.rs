@@ -10,6 +10,8 @@ use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::kept_rows::KeptRows;
 use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::spreads::Spreads;
+use crate::diagnosis::search::agreement::left_out_by;
+use crate::diagnosis::search::covariates::covariates;
 use crate::diagnosis::search::noise;
 use crate::diagnosis::search::outliers::{outliers, suspicious};
 use crate::diagnosis::search::stepwise::Stepwise;
@@ -75,7 +77,12 @@ impl Search<'_> {
         let mut care = Care { trim: true, inflation: 1.0 };
         let mut state = self.explore(spreads, care)?;
         let samples = state.model.table().samples();
-        if suspicious(&state.kept().left_out, samples) {
+        let known = covariates(self.subject.data, &self.subject.environment.condition_kinds);
+        if left_out_by(&state.kept().left_out, &known).is_some() {
+            // Gross errors do not choose a condition.
+            care.trim = false;
+            state = self.explore(spreads, care)?;
+        } else if suspicious(&state.kept().left_out, samples) {
             let untrimmed = self.explore(spreads, Care { trim: false, ..care })?;
             if self.cost(&untrimmed, &state) < self.cost(&state, &untrimmed) {
                 state = untrimmed;
@@ -86,7 +93,7 @@ impl Search<'_> {
             return Err(DiagnoseError::NothingFits { outliers, samples });
         }
         if let Some(rho) = noise::correlation(&state.model) {
-            care = Care { trim: outliers > 0, inflation: (1.0 + rho) / (1.0 - rho) };
+            care = Care { trim: care.trim && outliers > 0, inflation: (1.0 + rho) / (1.0 - rho) };
             state = self.explore(spreads, care)?;
             state.correlation = Some(rho);
         }

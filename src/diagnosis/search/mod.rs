@@ -1,7 +1,9 @@
 //! From columns to names: one effect is added, all are tried in each other's places, gross errors and the noise are judged
 //! anew, until nothing changes.
 
+pub(crate) mod agreement;
 pub(crate) mod covariates;
+pub(crate) mod curve;
 pub(crate) mod iteration;
 pub(crate) mod noise;
 pub(crate) mod outliers;

@@ -2,13 +2,15 @@
 //!
 //! | test | sees |
 //! |---|---|
-//! | smooth: a polynomial of degree four in a covariate, on one leg | anything that changes slowly with what was recorded |
-//! | jump: a step at one value of a covariate, on one leg | what latches, slips or switches at a temperature or an elevation |
+//! | smooth: a polynomial of degree four in a covariate, at one place | anything that changes slowly with what was recorded |
+//! | pose: one of degree two in a coordinate of the pose, at one place | an instrument that bends or scales, joints that are built otherwise |
+//! | jump: a step at one value of a covariate, at one place | what latches, slips or switches at a temperature or an elevation |
 //! | wave: a sine in commanded length, time or azimuth, up to the sampling limit or some 256 cycles | what repeats |
 //! | scatter: the variance along one leg against the others | random errors of one leg, which depend on nothing recorded |
 //! | size: χ² where the noise is known | everything else |
 //!
-//! A covariate and a leg are no cause; where covariates go together, another one explains nearly as much and is named
+//! A place is a leg, or a coordinate of the platform as it is seen: what moves the frame of an instrument is at no leg. A
+//! covariate and a place are no cause; where covariates go together, another one explains nearly as much and is named
 //! beside it.
 
 use nalgebra::DVector;
@@ -20,8 +22,10 @@ use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::statistics::upper_f;
+use crate::diagnosis::linear::unit_motion::Place;
 use crate::diagnosis::search::covariates::Covariate;
-use crate::diagnosis::search::unnamed::{Prepared, jumps, smooths, waves, worth};
+use crate::diagnosis::search::curve::unknown;
+use crate::diagnosis::search::unnamed::{Finding, Prepared, jumps, smooths, waves, worth};
 
 /// Levels of the families of tests.
 const SMOOTH: f64 = 1e-3;
@@ -75,11 +79,11 @@ pub(crate) fn remainder(model: &Model, covariates: &[Covariate]) -> Option<Unkno
     let prepared = Prepared::all(covariates);
     let mut families = [(Vec::new(), SMOOTH), (Vec::new(), WAVE), (Vec::new(), JUMP)];
     let [(smooth, _), (wave, _), (jump, _)] = &mut families;
-    for leg in 0..model.table().joints.len() {
-        let on_leg = (leg, &model.joint_samples(leg));
-        smooths(model, on_leg, &prepared, smooth);
-        waves(model, on_leg, &prepared, wave);
-        jumps(model, on_leg, &prepared, jump);
+    for place in model.table().places() {
+        let here = (place, &model.samples_at(place));
+        smooths(model, here, &prepared, smooth);
+        waves(model, here, &prepared, wave);
+        jumps(model, here, &prepared, jump);
     }
     let mut findings = Vec::new();
     for (family, level) in &families {
@@ -91,8 +95,9 @@ pub(crate) fn remainder(model: &Model, covariates: &[Covariate]) -> Option<Unkno
     let worst = scattered.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied();
     let scatter = worst.filter(|(_, p)| p * (scattered.len() as f64) < SCATTER);
     if let Some((best, p)) = findings.first() {
-        let other = findings.iter().find(|(f, _)| f.covariate != best.covariate && f.worth > best.worth - 3.0);
-        return Some(Unknown { runner_up: other.map(|(f, _)| f.covariate.to_owned()), ..best.unknown(*p) });
+        let is_other = |f: &Finding<'_>| f.covariate.name != best.covariate.name && f.worth > best.worth - 3.0;
+        let other = findings.iter().find(|(f, _)| is_other(f));
+        return Some(Unknown { runner_up: other.map(|(f, _)| f.covariate.name.clone()), ..unknown(model, best, *p) });
     }
     if let Some((leg, p)) = scatter {
         return Some(Unknown { leg: Some(leg), ..Unknown::by(UnknownTest::Scatter, p * scattered.len() as f64) });
@@ -112,16 +117,16 @@ pub(crate) fn rival(without: &Model, covariates: &[Covariate], worth_of_names: f
     let mut all = Vec::new();
     let mut steps = Vec::new();
     for leg in 0..without.table().joints.len() {
-        let on_leg = (leg, &without.joint_samples(leg));
-        smooths(without, on_leg, &prepared, &mut all);
-        jumps(without, on_leg, &prepared, &mut steps);
+        let here = (Place::Joint(leg), &without.samples_at(Place::Joint(leg)));
+        smooths(without, here, &prepared, &mut all);
+        jumps(without, here, &prepared, &mut steps);
     }
     // Steps in time have names.
-    all.extend(steps.into_iter().filter(|f| f.covariate != TIME && f.covariate != "row"));
+    all.extend(steps.into_iter().filter(|f| f.covariate.name != TIME && f.covariate.name != "row"));
     let tests = all.len() as f64;
     let best = all.into_iter().max_by(|a, b| a.worth.total_cmp(&b.worth))?;
     // What is not significant by itself withdraws nothing.
     let significant = best.significant(without, tests, SMOOTH).is_some();
     let p_value = || without.noise.p_value(best.gain, best.rank);
-    (significant && best.worth > worth_of_names + margin).then(|| best.unknown(p_value()))
+    (significant && best.worth > worth_of_names + margin).then(|| unknown(without, &best, p_value()))
 }

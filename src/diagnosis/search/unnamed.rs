@@ -1,12 +1,13 @@
-//! Tests of one covariate at one leg: the polynomials, steps and sines of [`remainder`](super::remainder).
+//! Tests of one covariate at one place: the polynomials, steps and sines of [`remainder`](super::remainder).
 
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::answer::result::{Unknown, UnknownTest};
-use crate::diagnosis::linear::joint_functions::JointSamples;
+use crate::diagnosis::answer::result::UnknownTest;
 use crate::diagnosis::linear::model::Model;
+use crate::diagnosis::linear::place_functions::PlaceSamples;
+use crate::diagnosis::linear::unit_motion::Place;
 use crate::diagnosis::search::covariates::Covariate;
 
 /// Samples on either side of a jump.
@@ -17,33 +18,36 @@ const MOST_WAVES: usize = 512;
 /// Waves that are multiplied at once, and samples: what stays in the cache of a core.
 const WAVES_AT_ONCE: usize = 32;
 const SAMPLES_AT_ONCE: usize = 256;
-/// Degree of the polynomial.
-const DEGREE: usize = 4;
+/// Degree of the polynomial, and of that in a coordinate of the pose.
+pub(crate) const DEGREE: usize = 4;
+const DEGREE_IN_POSE: usize = 2;
 
 /// One finding of a smooth, a jump or a wave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Finding<'a> {
-    pub(crate) covariate: &'a str,
-    leg: usize,
+    pub(crate) covariate: &'a Covariate,
+    pub(crate) place: Place,
     pub(crate) gain: f64,
     /// Columns that the gain is of.
     pub(crate) rank: usize,
     /// Half the change of BIC: what it gains over its price, nats.
     pub(crate) worth: f64,
-    period: Option<f64>,
-    test: UnknownTest,
+    pub(crate) period: Option<f64>,
+    /// The value of the covariate at a jump.
+    pub(crate) from: Option<f64>,
+    pub(crate) test: UnknownTest,
 }
 
 impl<'a> Finding<'a> {
-    /// What a test of a covariate at a leg found: a gain from `rank` columns, at the price of so many parameters.
+    /// What a test of a covariate at a place found: a gain from `rank` columns, at the price of so many parameters.
     fn of(
         test: UnknownTest,
         model: &Model,
-        (covariate, leg): (&'a Covariate, usize),
+        (covariate, place): (&'a Covariate, Place),
         (gain, rank): (f64, usize),
         price: f64,
     ) -> Self {
-        Self { covariate: &covariate.name, leg, gain, rank, worth: worth(model, gain, price), period: None, test }
+        Self { covariate, place, gain, rank, worth: worth(model, gain, price), period: None, from: None, test }
     }
 
     /// Its probability by chance as one of so many tests, if that is below a level. The level is far below one hundredth.
@@ -51,16 +55,6 @@ impl<'a> Finding<'a> {
         let noise = &model.noise;
         let p = noise.may_be_significant(self.gain, self.rank).then(|| noise.p_value(self.gain, self.rank) * tests)?;
         (p < level).then_some(p)
-    }
-
-    /// The same as an answer, with its probability.
-    pub(crate) fn unknown(&self, p_value: f64) -> Unknown {
-        Unknown {
-            covariate: Some(self.covariate.to_owned()),
-            leg: Some(self.leg),
-            period: self.period,
-            ..Unknown::by(self.test, p_value)
-        }
     }
 }
 
@@ -72,7 +66,7 @@ pub(crate) fn worth(model: &Model, gain: f64, parameters: f64) -> f64 {
     fit - 0.5 * parameters * noise.dof.ln()
 }
 
-/// A covariate with what the tests of each leg ask of it.
+/// A covariate with what the tests of each place ask of it.
 pub(crate) struct Prepared<'a> {
     covariate: &'a Covariate,
     /// Its values from -1 to 1.
@@ -92,73 +86,85 @@ impl<'a> Prepared<'a> {
         covariates.iter().map(of).collect()
     }
 
-    fn concerns(&self, leg: usize) -> bool {
-        self.covariate.leg.is_none_or(|l| l == leg)
+    /// True if the covariate may act at a place: what belongs to a leg acts there alone.
+    fn concerns(&self, place: Place) -> bool {
+        self.covariate.leg.is_none_or(|leg| place == Place::Joint(leg))
+    }
+
+    fn degree(&self) -> usize {
+        if self.covariate.of_pose { DEGREE_IN_POSE } else { DEGREE }
     }
 }
 
-/// Polynomials of degree 1 to 4 in each covariate that concerns a leg, on that leg.
+/// Legendre polynomials of a value from -1 to 1, from the first degree on.
+pub(crate) fn legendre(x: f64) -> [f64; DEGREE] {
+    [x, 1.5 * x * x - 0.5, (2.5 * x * x - 1.5) * x, (4.375 * x * x - 3.75) * x * x + 0.375]
+}
+
+/// Polynomials of degree 1 to 4 in each covariate that concerns a place, at that place.
 pub(crate) fn smooths<'a>(
     model: &Model,
-    (leg, on_leg): (usize, &JointSamples),
+    (place, samples): (Place, &PlaceSamples),
     covariates: &[Prepared<'a>],
     found: &mut Vec<Finding<'a>>,
 ) {
-    let mine: Vec<&Prepared<'a>> = covariates.iter().filter(|c| c.concerns(leg)).collect();
-    let mut functions = DMatrix::zeros(model.table().samples(), DEGREE * mine.len());
-    for (m, covariate) in mine.iter().enumerate() {
-        for (row, x) in covariate.scaled.iter().copied().enumerate() {
-            // Legendre polynomials.
-            let values = [x, 1.5 * x * x - 0.5, (2.5 * x * x - 1.5) * x, (4.375 * x * x - 3.75) * x * x + 0.375];
-            for (d, v) in values.iter().enumerate() {
-                functions[(row, DEGREE * m + d)] = *v;
+    for degree in [DEGREE, DEGREE_IN_POSE] {
+        let mine: Vec<&Prepared<'a>> =
+            covariates.iter().filter(|c| c.concerns(place) && c.degree() == degree).collect();
+        let mut functions = DMatrix::zeros(model.table().samples(), degree * mine.len());
+        for (m, covariate) in mine.iter().enumerate() {
+            for (row, x) in covariate.scaled.iter().enumerate() {
+                for (d, value) in legendre(*x).into_iter().take(degree).enumerate() {
+                    functions[(row, degree * m + d)] = value;
+                }
             }
         }
-    }
-    for (c, asked) in mine.iter().zip(on_leg.ask(&functions, DEGREE)) {
-        let (gain, rank) = asked.gain();
-        if rank > 0 {
-            found.push(Finding::of(UnknownTest::Smooth, model, (c.covariate, leg), (gain, rank), rank as f64));
+        for (c, asked) in mine.iter().zip(samples.ask(&functions, degree)) {
+            let (gain, rank) = asked.gain();
+            if rank > 0 {
+                found.push(Finding::of(UnknownTest::Smooth, model, (c.covariate, place), (gain, rank), rank as f64));
+            }
         }
     }
 }
 
-/// A step at every value of each covariate that concerns a leg, on that leg.
+/// A step at every value of each covariate that concerns a place, at that place.
 pub(crate) fn jumps<'a>(
     model: &Model,
-    (leg, on_leg): (usize, &JointSamples),
+    (place, here): (Place, &PlaceSamples),
     covariates: &[Prepared<'a>],
     found: &mut Vec<Finding<'a>>,
 ) {
     let samples = model.table().samples();
-    for c in covariates.iter().filter(|c| c.concerns(leg)) {
+    for c in covariates.iter().filter(|c| c.concerns(place) && !c.covariate.of_pose) {
         let values = &c.covariate.values;
-        for (at, gain) in on_leg.gains_from(&c.order).into_iter().enumerate().skip(FEW) {
+        for (at, gain) in here.gains_from(&c.order).into_iter().enumerate().skip(FEW) {
             // Equal values stay together, and a few samples at either end are outliers and no step.
             if values[c.order[at]] == values[c.order[at - 1]] || at + FEW > samples {
                 continue;
             }
             if let Some(gain) = gain {
-                let jump = Finding::of(UnknownTest::Jump, model, (c.covariate, leg), (gain, 1), 1.0);
+                let jump = Finding::of(UnknownTest::Jump, model, (c.covariate, place), (gain, 1), 1.0);
                 // The place is chosen among all samples.
-                found.push(Finding { worth: jump.worth - (samples as f64).ln(), ..jump });
+                let from = Some(0.5 * (values[c.order[at - 1]] + values[c.order[at]]));
+                found.push(Finding { worth: jump.worth - (samples as f64).ln(), from, ..jump });
             }
         }
     }
 }
 
-/// Sines in each covariate of waves, on a leg that it concerns, from one wave over the range to the sampling limit, in
+/// Sines in each covariate of waves, at a place that it concerns, from one wave over the range to the sampling limit, in
 /// steps of one half; no more than [`MOST_WAVES`].
 pub(crate) fn waves<'a>(
     model: &Model,
-    (leg, on_leg): (usize, &JointSamples),
+    (place, here): (Place, &PlaceSamples),
     covariates: &[Prepared<'a>],
     found: &mut Vec<Finding<'a>>,
 ) {
     let samples = model.table().samples();
     let count = samples.saturating_sub(2).min(MOST_WAVES);
-    for c in covariates.iter().filter(|c| c.covariate.waves && c.concerns(leg)) {
-        let mut sums = on_leg.pairs(count);
+    for c in covariates.iter().filter(|c| c.covariate.waves && c.concerns(place)) {
+        let mut sums = here.pairs(count);
         for (part, x) in c.scaled.chunks(SAMPLES_AT_ONCE).enumerate() {
             // Half a cycle more turns the phase by the same angle each time.
             let turn: Vec<(f64, f64)> = x.iter().map(|x| (0.5 * PI * x).sin_cos()).collect();
@@ -172,14 +178,14 @@ pub(crate) fn waves<'a>(
                         *phase = (phase.0 * step.1 + phase.1 * step.0, phase.1 * step.1 - phase.0 * step.0);
                     }
                 }
-                on_leg.add(&mut sums, part * SAMPLES_AT_ONCE, first, &functions);
+                here.add(&mut sums, part * SAMPLES_AT_ONCE, first, &functions);
             }
         }
         let (low, high) = c.covariate.range();
-        for (k, (gain, rank)) in on_leg.gains_of_pairs(&sums).into_iter().enumerate() {
+        for (k, (gain, rank)) in here.gains_of_pairs(&sums).into_iter().enumerate() {
             if rank > 0 {
                 // Sine, cosine and the period.
-                let wave = Finding::of(UnknownTest::Wave, model, (c.covariate, leg), (gain, rank), 3.0);
+                let wave = Finding::of(UnknownTest::Wave, model, (c.covariate, place), (gain, rank), 3.0);
                 let cycles = 1.0 + 0.5 * k as f64;
                 found.push(Finding { period: Some((high - low) / cycles), ..wave });
             }

@@ -66,6 +66,7 @@ impl CalibrationSection {
         let elsewhere = !found.frames.is_identity() || machine.is_in_frame_of_measurement();
         let reasons = match found.verdict {
             Verdict::Unknown => vec!["the diagnosis found something that no effect of the model explains".to_owned()],
+            Verdict::Undecided => vec!["the data of the diagnosis cannot tell whether the model is right".to_owned()],
             _ => Vec::new(),
         };
         Self::of(rows, elsewhere, reasons.is_empty(), &reasons)

@@ -20,7 +20,7 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
         Verdict::Named if d.causes.iter().any(|c| c.tentative) => Tone::Mind,
         Verdict::Clean | Verdict::Named => Tone::Good,
         Verdict::Tied | Verdict::Unknown => Tone::Mind,
-        Verdict::Misread => Tone::Bad,
+        Verdict::Undecided | Verdict::Misread => Tone::Bad,
     };
     let mut meanings = text::meanings(d);
     let mut lead = Vec::new();
@@ -108,7 +108,11 @@ fn what_of_unknown(d: &Diagnosis) -> String {
     let Some((unknown, covariate)) = d.unknown.as_ref().and_then(|u| Some((u, u.covariate.as_ref()?))) else {
         return "What to do: record more of the conditions that may have changed, and measure again.".into();
     };
-    let leg = unknown.leg.map_or_else(String::new, |leg| format!(" at leg {}", leg + 1));
+    let leg = match (unknown.leg, unknown.coordinate) {
+        (Some(leg), _) => format!(" at leg {}", leg + 1),
+        (None, Some(k)) => format!(" and moves {} of the platform as it is seen", crate::diagnosis::COORDINATES[k]),
+        (None, None) => String::new(),
+    };
     let other = unknown.runner_up.as_ref();
     let other = other.map_or_else(String::new, |r| format!("; {r} explains it nearly as well"));
     format!("What to do: look at what changes with {covariate}{leg}{other}, and measure over a wider range of it.")

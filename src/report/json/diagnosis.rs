@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{errors, motion, real, rows};
-use crate::diagnosis::{Cause, Diagnosis, Unknown};
+use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Unknown};
 use crate::effect::ActsOn;
 use crate::pose::Pose;
 
@@ -19,8 +19,9 @@ pub fn diagnosis(d: &Diagnosis) -> Value {
         .then(|| json!({ "base": motion(&d.frames.base), "target": motion(&d.frames.target) }));
     json!({
         "verdict": d.verdict.word(),
+        "undecided": d.undecided,
         "causes": d.causes.iter().map(cause).collect::<Vec<_>>(),
-        "unknown": d.unknown.as_ref().map(unknown),
+        "unknown": d.unknown.as_ref().map(|u| unknown(d, u)),
         "misread": d.misread.as_ref().map(|m| json!({
             "reading": m.reading, "detail": m.detail, "factor": real(m.factor), "tied_with": m.tied_with,
         })),
@@ -36,6 +37,8 @@ pub fn diagnosis(d: &Diagnosis) -> Value {
             "rotation_after_rad": g.rotation_after.map(real),
             "blocked_position_before_m": g.blocked_position_before.map(real),
             "blocked_position_after_m": g.blocked_position_after.map(real),
+            "blocked_rotation_before_rad": g.blocked_rotation_before.map(real),
+            "blocked_rotation_after_rad": g.blocked_rotation_after.map(real),
             "noise_floor_position_m": g.noise_floor_position.map(real),
             "noise_floor_rotation_rad": g.noise_floor_rotation.map(real),
         },
@@ -90,10 +93,18 @@ fn cause(c: &Cause) -> Value {
     })
 }
 
-fn unknown(u: &Unknown) -> Value {
+fn unknown(d: &Diagnosis, u: &Unknown) -> Value {
+    let kind = u.covariate.as_ref().and_then(|name| d.environment.condition_kinds.of(name));
+    let in_table = |v: f64| kind.map_or(v, |kind| kind.unit().from_si(v));
     json!({
+        "kind": u.kind(),
         "covariate": u.covariate,
         "leg": u.leg.map(|leg| leg + 1),
+        "coordinate": u.coordinate.map(|k| COORDINATES[k]),
+        "size": u.size.map(real),
+        "unit": u.dimension.si(),
+        "place": u.from.map(|at| real(in_table(at))),
+        "curve": u.course.iter().map(|[at, value]| json!([real(in_table(*at)), real(*value)])).collect::<Vec<_>>(),
         "test": u.test.word(),
         "p_value": real(u.p_value),
         "period": u.period.map(real),

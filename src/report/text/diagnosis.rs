@@ -2,17 +2,17 @@
 
 use super::settlement::limit_table;
 use super::{errors_row, heading, table};
-use crate::diagnosis::{Cause, Diagnosis, Unknown, UnknownTest, Verdict};
+use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
 use crate::measurement::{DataRow, Frames};
 use crate::pose::{Pose, rotation_vector};
-use crate::units::{shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
+use crate::units::{Dimension, shortened, show_angle, show_length, show_probability, show_quantity, three_digits};
 
 /// Tables and sentences of a diagnosis. `title` is the name of the mechanism.
 pub fn diagnosis(d: &Diagnosis, title: &str) -> String {
     let title = heading(title);
     let mut text = format!("{title}: {} samples\n\n{}\n", d.samples, verdict(d));
-    if d.verdict == Verdict::Misread {
+    if d.verdict == Verdict::Misread || d.values.is_empty() {
         return text;
     }
     for cause in &d.causes {
@@ -117,6 +117,9 @@ pub fn verdict(d: &Diagnosis) -> String {
             let beside = if names.is_empty() { String::new() } else { format!(" in addition to {names}") };
             format!("UNKNOWN{beside}: no effect in the catalogue explains the remaining error{what}.")
         }
+        Verdict::Undecided => {
+            format!("UNDECIDED: {}.", d.undecided.as_deref().unwrap_or("these data cannot tell"))
+        }
         Verdict::Misread => d.misread.as_ref().map_or_else(String::new, |m| {
             let rivals = match m.tied_with.is_empty() {
                 true => String::new(),
@@ -140,19 +143,35 @@ fn times_better(factor: f64) -> String {
 }
 
 fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
-    let leg = at_leg(d, u.leg);
+    let place = match u.coordinate {
+        Some(k) => format!(" in {} of the platform as it is seen", COORDINATES[k]),
+        None => at_leg(d, u.leg),
+    };
+    let times = u.size.map_or_else(|| "far more".into(), |s| format!("{} times", three_digits(s)));
     match (&u.covariate, u.test) {
         (Some(covariate), UnknownTest::Patchwork) => {
             format!(", which changes with {covariate}; the causes above only mimic it")
         }
-        (Some(covariate), _) => format!(", which depends on {covariate}{leg}"),
+        (Some(covariate), _) => format!(", which depends on {covariate}{place}"),
         (None, UnknownTest::Misfit) => {
             ", because the data do not fit the mechanism at all: check the file and the mechanism".into()
         }
-        (None, UnknownTest::Scatter) => format!(", which scatters{leg} and depends on nothing that was recorded"),
-        (None, _) => ", which exceeds the stated noise".into(),
+        (None, UnknownTest::Extrapolation) => {
+            ": the names that fit make rows that were not fitted worse, so that none is kept".into()
+        }
+        (None, UnknownTest::Scatter) => format!(", which scatters{place} and depends on nothing that was recorded"),
+        (None, UnknownTest::Repeats) => format!(", which is {times} the scatter of the samples that repeat each other"),
+        (None, UnknownTest::Size) if u.p_value > RATIO_ALONE => {
+            format!(": position noise over rotation noise is {times} off the stated ratio")
+        }
+        (None, _) => format!(
+            ", which is {times} the stated noise: that is understated, or something changes that was not recorded"
+        ),
     }
 }
+
+/// A size as likely as this is no excess of the noise; its ratio is.
+const RATIO_ALONE: f64 = 1e-6;
 
 fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
     let mut text = format!("unknown error{} (p {}", where_it_is(d, u), show_probability(u.p_value));
@@ -160,6 +179,14 @@ fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
         text += &format!(", repeats every {} in SI units", three_digits(period));
     }
     text += ")\n";
+    if let (Some(size), false) = (u.size, u.dimension == Dimension::None) {
+        text += &format!("  it is {} large", show_quantity(size, u.dimension));
+        if let Some((name, at)) = u.covariate.as_ref().zip(u.from) {
+            let shown = d.environment.condition_kinds.of(name).map_or_else(|| three_digits(at), |kind| kind.shown(at));
+            text += &format!(", from {name} = {shown} on");
+        }
+        text += "\n";
+    }
     if let Some(other) = &u.runner_up {
         text += &format!("  {other} explains nearly as much\n");
     }

@@ -7,3 +7,5 @@ mod causes;
 mod commands;
 mod detection_limits;
 mod hidden_cases;
+#[cfg(feature = "cli")]
+mod nameless;

@@ -1,12 +1,12 @@
-//! Functions of the sample on one joint, for the tests that know no cause.
+//! Functions of the sample at one place, for the tests that know no cause.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::linear::score_test::{ABSORBED, PLAINLY_SEEN, ScoreTest};
 
-/// A unit displacement of one joint in each sample by itself, projected.
+/// A unit displacement of one place in each sample by itself, projected.
 #[derive(Debug)]
-pub(crate) struct JointSamples {
+pub(crate) struct PlaceSamples {
     /// `Qᵀ` times the displacement (z × samples).
     pub(crate) w: DMatrix<f64>,
     /// Length squared of the displacement in each sample.
@@ -17,7 +17,7 @@ pub(crate) struct JointSamples {
     pub(crate) inflation: f64,
 }
 
-/// Sums over samples of pairs of functions on a joint.
+/// Sums over samples of pairs of functions at a place.
 #[derive(Debug)]
 pub(crate) struct PairSums {
     /// `Qᵀ` times the functions (z × 2 pairs).
@@ -26,8 +26,8 @@ pub(crate) struct PairSums {
     sums: Vec<[f64; 5]>,
 }
 
-impl JointSamples {
-    /// Functions of the sample (samples × columns) on this joint: each `width` of them as one block.
+impl PlaceSamples {
+    /// Functions of the sample (samples × columns) at this place: each `width` of them as one block.
     pub(crate) fn ask(&self, functions: &DMatrix<f64>, width: usize) -> Vec<ScoreTest> {
         let w = &self.w * functions;
         let mut weighted = DVector::zeros(functions.nrows());
@@ -114,7 +114,7 @@ mod tests {
         let along = DVector::from_fn(samples, |k, _| ((7 * k) % 11) as f64 - 5.0);
         let square = DVector::from_fn(samples, |k, _| 1.0 + (k % 3) as f64);
         let w = DMatrix::from_fn(2, samples, |i, k| if k % (i + 2) == 0 { 0.2 } else { -0.1 });
-        let asked = JointSamples { w, square, along, inflation: 1.3 };
+        let asked = PlaceSamples { w, square, along, inflation: 1.3 };
         let mut functions = DMatrix::from_fn(samples, 6, |i, k| ((5 * i + 3 * k * k + i * k) % 13) as f64 - 6.0);
         // A pair that is one direction.
         let twice = functions.column(4) * 2.0;
