@@ -9,6 +9,7 @@ use crate::diagnosis::answer::findings::findings;
 use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
+use crate::diagnosis::preflight::beside_effects::misread_beside_effects;
 use crate::diagnosis::preflight::compare::preflight;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::agreement::stuck;
@@ -34,14 +35,24 @@ pub fn diagnose(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     if data.len() > MOST_SAMPLES {
         return Err(DiagnoseError::TooManySamples { samples: data.len(), most: MOST_SAMPLES });
     }
-    let convention = &convention;
-    let prior = Prior::wide(mechanism, TOLERANCES, Conventions::FRAMES);
-    if let Some(misread) = preflight(mechanism, data, convention, &prior) {
-        return Ok(misread_file(data, misread));
-    }
     if let Some(reason) = standing_still(mechanism, data) {
         return Ok(undecided(data, reason));
     }
+    if let Some(misread) = preflight(mechanism, data, &convention) {
+        return Ok(misread_file(data, misread));
+    }
+    let found = explained(question)?;
+    let otherwise = |question: &Question<'_>| explained(question).ok();
+    match misread_beside_effects(question, &found, otherwise) {
+        Some(misread) => Ok(misread_file(data, misread)),
+        None => Ok(found),
+    }
+}
+
+/// The causes of what is left when the file is read as it stands.
+fn explained(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
+    let Question { mechanism, data, .. } = *question;
+    let prior = Prior::wide(mechanism, TOLERANCES, Conventions::FRAMES);
     let (data, gaps) = complete_rows(data);
     let registration = register(mechanism, &data);
     let data = data.with_frames(registration.frames);

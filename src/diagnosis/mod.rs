@@ -13,7 +13,9 @@
 //!
 //! The steps, with their files:
 //!
-//! 1. **Preflight** (`preflight`, `misreadings`): would the file fit much better if it were read otherwise?
+//! 1. **Preflight** (`preflight`): would the file fit much better if it were read otherwise? Mistakes in the poses (signs,
+//!    units, orders, frames), the columns of joints that go with them (one regression of the joints that the poses ask
+//!    for), and pairs of these. Beside a strong effect it is asked again with effects in the model.
 //! 2. **Baseline** (`hypotheses`, `design_matrix`): the parameters are identified with a prior of two tolerances, which
 //!    keeps the two weak directions of each leg finite, and the columns of everything are computed once.
 //! 3. **Outliers** (`outliers`): samples that fit nothing, judged again after every step.
@@ -39,8 +41,8 @@ mod question;
 mod search;
 
 pub use answer::result::{
-    AddedVariable, COORDINATES, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound,
-    NotTestable, Rival, Unknown, UnknownTest, Verdict,
+    AddedVariable, Alternative, COORDINATES, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread,
+    NoiseVaries, NotFound, NotTestable, Rival, Unknown, UnknownTest, Verdict,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnoseError;

@@ -169,6 +169,10 @@ impl MeasurementModel for WithInstrumentEffects {
         self.inner.target_frame()
     }
 
+    fn points(&self, sample: usize) -> Vec<PointReading> {
+        self.inner.points(sample)
+    }
+
     fn point(&self, sample: usize) -> Option<PointReading> {
         self.inner.point(sample)
     }

@@ -59,4 +59,5 @@ pub use problem::spectrum::DataSpectrum;
 #[cfg(feature = "cli")]
 pub(crate) use problem::start::poses_from_home;
 pub use registration::{Registration, register};
+pub(crate) use registration::{SeenPose, frames_between};
 pub use task::{Task, Weights};

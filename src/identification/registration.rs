@@ -135,6 +135,34 @@ pub(crate) fn register_poses(
     }
 }
 
+/// What was seen of a pose: a point at a place in the target's frame, and the attitude if it was measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SeenPose {
+    pub(crate) nominal: Pose,
+    /// Where the point was seen, tracker's frame, m.
+    pub(crate) point: Vector3<f64>,
+    /// Its place in the target's frame, m.
+    pub(crate) place: Vector3<f64>,
+    pub(crate) rotation: Option<Rotation3<f64>>,
+}
+
+/// The frames that carry nominal poses nearest to those that were seen, and the median distance (angles times the size) that
+/// they leave, m. With `known` the target is the platform. `None` for fewer than three poses, and for a mechanism in which
+/// frames have no meaning.
+pub(crate) fn frames_between(mechanism: &dyn Mechanism, seen: &[SeenPose], known: bool) -> Option<(Frames, f64)> {
+    if seen.len() < FEWEST || !takes_frames(mechanism) {
+        return None;
+    }
+    let size = characteristic_length(mechanism);
+    let pair = |s: &SeenPose| Pair { nominal: s.nominal, point: s.point, place: s.place, rotation: s.rotation };
+    let pairs: Vec<Pair> = seen.iter().map(pair).collect();
+    let free = if known { Free::Base } else { Free::Both };
+    let distance = |frames: &Frames| misfit(&pairs, frames, size);
+    let nearest = starts(&pairs, free).into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let refined = refine(&pairs, nearest, size, free);
+    Some((refined, distance(&refined)))
+}
+
 /// True if the closure of the mechanism as it is given nearly holds at the measured poses: its residual, which is no larger near
 /// a singularity than elsewhere, is that of its tolerances. False where nothing tells.
 fn closes(mechanism: &dyn Mechanism, data: &Dataset) -> bool {

@@ -122,6 +122,12 @@ pub trait MeasurementModel: Debug + Send + Sync {
         None
     }
 
+    /// The measured positions of the points at known places on the platform, where several were measured at once; none by
+    /// default.
+    fn points(&self, _sample: usize) -> Vec<PointReading> {
+        Vec::new()
+    }
+
     /// The measured position of one point that is fixed to the platform, in the tracker's frame.
     fn point(&self, sample: usize) -> Option<PointReading>;
 }

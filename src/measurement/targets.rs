@@ -207,6 +207,12 @@ impl MeasurementModel for TargetMeasurement {
         fit_rigid_motion(&from, &to)
     }
 
+    fn points(&self, sample: usize) -> Vec<PointReading> {
+        let known =
+            |(t, position): (usize, Vector3<f64>)| Some(PointReading { position, place: self.targets[t].platform? });
+        self.complete(sample).filter_map(known).collect()
+    }
+
     fn point(&self, sample: usize) -> Option<PointReading> {
         let known = self.target_frame() == TargetFrame::Known;
         let usable = |t: usize| if known { self.targets[t].platform } else { (t == 0).then(Vector3::zeros) };

@@ -170,6 +170,10 @@ impl MeasurementModel for UnknownFrames {
         Some(motion)
     }
 
+    fn points(&self, sample: usize) -> Vec<PointReading> {
+        self.inner.points(sample)
+    }
+
     fn point(&self, sample: usize) -> Option<PointReading> {
         self.inner.point(sample)
     }

@@ -241,7 +241,7 @@ impl Unknown {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Misread {
-    /// Name of the reading.
+    /// Name of the reading; of two mistakes at once both names, joined by `+`.
     pub reading: String,
     /// Which axis, which unit, which order.
     pub detail: String,
@@ -249,6 +249,20 @@ pub struct Misread {
     pub factor: f64,
     /// Other readings that fit as well.
     pub tied_with: Vec<String>,
+    /// The same, with their names apart from what is wrong.
+    pub alternatives: Vec<Alternative>,
+    /// Rows that the mechanism does not fit as the file stands.
+    pub rows_failing: usize,
+}
+
+/// A reading that fits as well as the best one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Alternative {
+    /// Name of the reading.
+    pub reading: String,
+    /// Which axis, which unit, which order.
+    pub detail: String,
 }
 
 /// Noise that is not the same in all rows.

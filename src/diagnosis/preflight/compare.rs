@@ -1,222 +1,176 @@
-//! Was the file read rightly? Asked before anything is fitted for good.
+//! The readings of a file side by side, and which one is believed.
 //!
-//! Under each of some forty readings the parameters are fitted to the closure at the measured poses (no forward
-//! kinematics, which may not exist for a misread file), and the medians of the whitened misfits are compared. A reading
-//! is only believed if it makes the misfit less than half.
+//! Under each reading the parameters are fitted to the closure at the measured poses (no forward kinematics, which may not
+//! exist for a misread file). A reading costs what it leaves and, by the prior, what it needs of the parameters: two legs of
+//! one corner that are exchanged are fitted to the noise by anchors that move by a hand's breadth, which no drawing allows.
 
-use std::cell::OnceCell;
+use crate::diagnosis::answer::result::{Alternative, Misread};
+use crate::diagnosis::preflight::found_frames::worth_finding;
+use crate::diagnosis::preflight::in_base::{InBase, Screened};
+use crate::diagnosis::preflight::reading::Reading;
+use crate::diagnosis::preflight::table::SeenKind;
+use crate::diagnosis::preflight::trial::{Score, Trial};
+use crate::identification::Look;
+use crate::measurement::{Dataset, Frames};
+use crate::mechanism::Mechanism;
+use crate::pose::PoseConvention;
 
-use nalgebra::{DMatrix, Vector3, Vector6};
-
-use crate::conditions::Conditions;
-use crate::diagnosis::answer::result::Misread;
-use crate::diagnosis::preflight::assignment::{best_assignment, correlation};
-use crate::diagnosis::preflight::misreadings::{Reading, StatedRows};
-use crate::identification::{ClosureFit, ClosureRow, Look, Prior, register};
-use crate::measurement::{Dataset, Frames, MeasurementModel, PoseMeasurement, TargetFrame};
-use crate::mechanism::{Mechanism, characteristic_length};
-use crate::pose::{Pose, PoseConvention, rotation_vector};
-
-/// A reading must make the misfit this many times smaller.
+/// A reading must make what is left this many times smaller.
 const BETTER: f64 = 2.0;
-/// Misfit over the spread of the measured poses that a reading may leave.
-const EXPLAINED: f64 = 0.05;
-/// Measured and commanded spread may differ by this factor where a reading makes numbers smaller.
-const SPREAD: f64 = 3.0;
-/// Rows that the first look takes.
-const FEW: usize = 36;
-/// Readings that get a second look.
-const SECOND: f64 = 4.0;
+/// A second mistake must make what the first leaves this many times smaller.
+const SECOND: f64 = 1.6;
+/// Readings that leave up to this many times as much fit as well.
+const TIED: f64 = 1.5;
+/// Readings of the first look that get a last one.
+const LAST: usize = 8;
+/// A first look may be this many times too bad.
+const FIRST: f64 = 4.0;
+/// What the noise leaves, with a margin.
+const NOISE: f64 = 4.0;
+/// What is left below the noise tells nothing.
+const FINE: f64 = 1.0;
+/// What is left beside a second mistake, or a wrong order of legs, is at least this.
+const HOPELESS: f64 = 12.0;
+/// Rows this many times farther than what the noise leaves do not fit.
+const FAR: f64 = 4.0;
 
-/// How the file should have been read, if not as it stands; `None` also where poses are not measured in full.
-pub(crate) fn preflight(
-    mechanism: &dyn Mechanism,
-    data: &Dataset,
-    convention: &PoseConvention,
-    prior: &Prior,
-) -> Option<Misread> {
-    let trial = Trial::new(mechanism, data, convention, prior)?;
-    let few: Vec<usize> = evenly(data.len(), FEW);
-    let all: Vec<usize> = (0..data.len()).collect();
-    let mut readings = Reading::all(mechanism);
-    readings.extend(trial.leg_order());
-    // Most files are in the base frame when they are read rightly; finding frames for every reading is the dear way.
-    let mut ways = vec![false];
-    if trial.elsewhere {
-        ways.push(true);
-    }
-    let stated = |rows: &[usize], look: Look| {
-        let of = |way: &bool| trial.misfit(&Reading::AsStated, rows, look, *way);
-        ways.iter().filter_map(of).fold(f64::INFINITY, f64::min)
-    };
-    let at_first = stated(&few, Look::First);
-    // Asked only if a reading comes near.
-    let at_last = OnceCell::new();
-    let at_last = || *at_last.get_or_init(|| stated(&all, Look::Second));
-    readings.retain(|reading| trial.is_commanded(reading, &few));
-    let mut sure: Vec<(Reading, f64)> = Vec::new();
-    for way in &ways {
-        let mut found: Vec<(&Reading, f64)> = readings
-            .iter()
-            // The order is read off poses in the base frame; with frames that are found, many a wrong one fits.
-            .filter(|reading| !*way || !matches!(reading, Reading::LegOrder(_)))
-            .filter_map(|reading| Some((reading, trial.misfit(reading, &few, Look::First, *way)?)))
-            .filter(|(_, misfit)| misfit * BETTER < at_first * SECOND)
-            .collect();
-        found.sort_by(|a, b| a.1.total_cmp(&b.1));
-        found.truncate(6);
-        sure = found
-            .into_iter()
-            .filter_map(|(reading, _)| Some((reading.clone(), trial.misfit(reading, &all, Look::Second, *way)?)))
-            .filter(|(reading, misfit)| misfit * BETTER < at_last() && trial.explains(reading, *misfit))
-            .collect();
-        if !sure.is_empty() {
-            break;
-        }
-    }
-    sure.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (best, misfit) = sure.first().filter(|_| at_last().is_finite())?.clone();
-    let rivals = sure[1..].iter().filter(|(_, other)| *other < BETTER * misfit);
-    Some(Misread {
-        reading: best.name().into(),
-        detail: best.detail(),
-        factor: at_last() / misfit,
-        tied_with: rivals.map(|(r, _)| format!("{}: {}", r.name(), r.detail())).collect(),
-    })
-}
+/// A reading with its score.
+type Scored = (Reading, Score);
 
-/// Root mean square of the moves from one pose to the next: shifts, or turns. It is the same in every frame.
-fn spread_of(poses: &[Pose], turns: bool) -> f64 {
-    let moves = poses.windows(2).map(|pair| {
-        let (a, b) = (&pair[0], &pair[1]);
-        let moved: Vector3<f64> =
-            if turns { rotation_vector(&(a.rotation.inverse() * b.rotation)) } else { b.position - a.position };
-        moved.norm_squared()
+/// How the file should have been read, if not as it stands; `None` also where nothing tells.
+pub(crate) fn preflight(mechanism: &dyn Mechanism, data: &Dataset, convention: &PoseConvention) -> Option<Misread> {
+    let trial = Trial::new(mechanism, data, convention)?;
+    let at_first = stated(&trial, &trial.few, Look::First);
+    let mut found = in_base(&trial, &at_first);
+    let fits = |found: &[Scored]| found.iter().any(|(_, s)| s.value < NOISE);
+    // Beside a fair fit, what is left is more likely an effect than two mistakes.
+    let hopeless = at_first.as_ref().is_none_or(|s| s.value > HOPELESS);
+    if hopeless && !fits(&found) {
+        found.extend(fitted(&trial, worth_finding(&trial), &at_first, true));
+    }
+    if found.is_empty() {
+        return None;
+    }
+    let as_stated = stated(&trial, &trial.all, Look::Second);
+    let limit = as_stated.as_ref().map_or(f64::INFINITY, |s| s.value);
+    found.retain(|(reading, score)| {
+        score.value.max(FINE) * BETTER < limit
+            && trial.explains(reading, score)
+            && trial.is_commanded(reading, &score.frames)
     });
-    (moves.sum::<f64>() / poses.len().max(1) as f64).sqrt()
+    answer(&trial, found, as_stated.as_ref())
 }
 
-/// About `count` numbers below `n`, evenly spread.
-fn evenly(n: usize, count: usize) -> Vec<usize> {
-    let step = n.div_ceil(count).max(1);
-    (0..n).step_by(step).collect()
+/// The score of the file as it stands: in the base frame or in frames that are found, whichever is better.
+fn stated(trial: &Trial<'_>, rows: &[usize], look: Look) -> Option<Score> {
+    let reading = trial.stated();
+    let regression = trial.regression(&reading, &Frames::default());
+    // Zeros that are no convention are not fitted away.
+    let drawn = regression.is_some_and(|r| r.stated_from_elsewhere);
+    let base = trial.score(&reading, rows, look, &Frames::default(), drawn);
+    if base.as_ref().is_some_and(|s| s.value < NOISE) {
+        return base;
+    }
+    let found = trial.frames(&reading, rows).and_then(|(frames, _)| trial.score(&reading, rows, look, &frames, false));
+    [base, found].into_iter().flatten().min_by(|a, b| a.value.total_cmp(&b.value))
 }
 
-struct Trial<'a> {
-    mechanism: &'a dyn Mechanism,
-    data: &'a Dataset,
-    table: StatedRows,
-    home: Vec<f64>,
-    fit: ClosureFit<'a>,
-    /// One over the σ of positions and angles.
-    weights: Vector6<f64>,
-    /// True if the file as it stands is not in the base frame.
-    elsewhere: bool,
+/// Readings in the base frame that fit better than the file as it stands: with one mistake in the poses, or with two if
+/// nothing else fits.
+fn in_base(trial: &Trial<'_>, at_first: &Option<Score>) -> Vec<Scored> {
+    // A single point that was measured does not say which joints its pose asks for, unless the platform cannot turn.
+    if trial.table.kind == SeenKind::Point && trial.mechanism.controlled()[3..].contains(&true) {
+        return fitted(trial, worth_finding(trial), at_first, false);
+    }
+    let readings = InBase::new(trial);
+    let mut found = fitted(trial, readings.singles(), at_first, false);
+    let hopeless = at_first.as_ref().is_none_or(|s| s.value > HOPELESS);
+    if hopeless && !found.iter().any(|(_, s)| s.value < NOISE) {
+        found.extend(fitted(trial, readings.pairs(), at_first, false));
+    }
+    found
 }
 
-impl<'a> Trial<'a> {
-    fn new(
-        mechanism: &'a dyn Mechanism,
-        data: &'a Dataset,
-        convention: &PoseConvention,
-        prior: &Prior,
-    ) -> Option<Self> {
-        if data.model().target_frame() != TargetFrame::Convention || data.len() < 8 {
-            return None;
-        }
-        // Where nothing is commanded, poses have nothing to contradict.
-        let still = data.iter().all(|s| s.joints == data.sample(0).joints);
-        if still {
-            return None;
-        }
-        let mut table = StatedRows { joints: Vec::new(), poses: Vec::new(), convention: *convention };
-        for k in 0..data.len() {
-            let (model, index) = data.reading(k);
-            table.poses.push(model.coordinates(index)?);
-            table.joints.push(data.sample(k).joints.clone());
-        }
-        let home = mechanism.inverse(mechanism.values(), &mechanism.home(), &Conditions::unknown()).ok()?;
-        let (p, r) = (1.0 / data.noise.position, 1.0 / data.noise.rotation);
-        let elsewhere = register(mechanism, data).applied;
-        let weights = Vector6::new(p, p, p, r, r, r);
-        let fit = ClosureFit::new(mechanism, prior, weights);
-        Some(Self { mechanism, data, table, home, fit, weights, elsewhere })
-    }
+/// The best of the readings after a first and a last look.
+fn fitted(trial: &Trial<'_>, screened: Vec<Screened>, at_first: &Option<Score>, find: bool) -> Vec<Scored> {
+    let score = |reading: &Reading, rows: &[usize], look: Look| {
+        let frames = if find { trial.frames(reading, rows)?.0 } else { Frames::default() };
+        trial.score(reading, rows, look, &frames, false)
+    };
+    let limit = at_first.as_ref().map_or(f64::INFINITY, |s| s.value) * FIRST / BETTER;
+    let mut found: Vec<Scored> = screened
+        .into_iter()
+        .filter_map(|s| Some((score(&s.reading, &trial.few, Look::First)?, s.reading)))
+        .map(|(score, reading)| (reading, score))
+        .filter(|(_, score)| score.value < limit)
+        .collect();
+    found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    found.truncate(LAST);
+    let mut found: Vec<Scored> = found
+        .into_iter()
+        .filter_map(|(reading, _)| Some((score(&reading, &trial.all, Look::Second)?, reading)))
+        .map(|(score, reading)| (reading, score))
+        .collect();
+    found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    found
+}
 
-    /// True if a misfit is a small part of what was measured: of garbage some reading is always the best.
-    fn explains(&self, reading: &Reading, misfit: f64) -> bool {
-        let all = 0..self.table.poses.len();
-        let poses: Vec<Pose> = all.filter_map(|k| Some(reading.row(&self.table, &self.home, k)?.1)).collect();
-        let moved = spread_of(&poses, false).max(spread_of(&poses, true) * characteristic_length(self.mechanism));
-        misfit / self.weights[0] < EXPLAINED * moved
-    }
+/// Readings of the base frame that fit the file nearly as well as it stands, the best first: beside a strong effect the right
+/// one may be among them.
+pub(crate) fn near_misses(trial: &Trial<'_>, most: usize) -> Vec<Reading> {
+    let at_first = stated(trial, &trial.few, Look::First);
+    let mut found = fitted(trial, InBase::new(trial).singles(), &at_first, false);
+    found.retain(|(reading, score)| reading.count() == 1 && trial.is_commanded(reading, &score.frames));
+    found.into_iter().map(|(reading, _)| reading).take(most).collect()
+}
 
-    /// False for a reading that makes numbers smaller which the commands do not ask for: it would fit by hiding their noise.
-    fn is_commanded(&self, reading: &Reading, rows: &[usize]) -> bool {
-        let turns = match reading {
-            Reading::AngleUnit(_, factor) if *factor < 1.0 => true,
-            Reading::LengthUnit(_, factor, false) if *factor < 1.0 => false,
-            _ => return true,
-        };
-        let at = Conditions::unknown();
-        let home = self.mechanism.home();
-        let commanded: Option<Vec<Pose>> = rows
-            .iter()
-            .map(|k| self.mechanism.forward(self.mechanism.values(), &self.table.joints[*k], &at, &home).ok())
-            .collect();
-        let read: Option<Vec<Pose>> = rows.iter().map(|k| Some(reading.row(&self.table, &self.home, *k)?.1)).collect();
-        let (Some(commanded), Some(read)) = (commanded, read) else { return true };
-        let (asked, seen) = (spread_of(&commanded, turns), spread_of(&read, turns));
-        asked < SPREAD * seen && seen < SPREAD * asked
-    }
+/// The answer that a file is misread as the first of these readings, or just as likely as another, by which it fits `factor`
+/// times better.
+pub(crate) fn misread_as(trial: &Trial<'_>, readings: &[Reading], factor: f64) -> Option<Misread> {
+    let scored: Vec<Scored> = readings
+        .iter()
+        .filter_map(|r| Some((r.clone(), trial.score(r, &trial.all, Look::Second, &Frames::default(), false)?)))
+        .map(|(reading, score)| (reading, Score { value: 1.0, ..score }))
+        .collect();
+    Some(Misread { factor, ..answer(trial, scored, None)? })
+}
 
-    /// The order in which the columns of the legs go best with the lengths that the measured poses ask for, if it is
-    /// another one than stated.
-    fn leg_order(&self) -> Option<Reading> {
-        let n = self.home.len();
-        if n > 8 {
-            return None;
-        }
-        let at = Conditions::unknown();
-        let asked: Vec<Vec<f64>> = (0..self.table.poses.len())
-            .filter_map(|row| {
-                let (_, pose) = Reading::AsStated.row(&self.table, &self.home, row)?;
-                self.mechanism.inverse(self.mechanism.values(), &pose, &at).ok()
-            })
-            .collect();
-        if asked.len() != self.table.poses.len() {
-            return None;
-        }
-        let score = DMatrix::from_fn(n, n, |leg, column| {
-            let pairs = asked.iter().zip(&self.table.joints).map(|(a, j)| (a[leg], j[column]));
-            correlation(pairs)
-        });
-        let order = best_assignment(&score);
-        order.iter().enumerate().any(|(i, k)| i != *k).then_some(Reading::LegOrder(order))
-    }
+/// What a reading leaves, with the price of a second mistake.
+fn cost((reading, score): &Scored) -> f64 {
+    score.value * SECOND.powi(reading.count() as i32 - 1)
+}
 
-    /// Median length of the whitened misfit of a row after the parameters are fitted, in the base frame or in frames that
-    /// are found first.
-    fn misfit(&self, reading: &Reading, rows: &[usize], look: Look, find_frames: bool) -> Option<f64> {
-        let read: Vec<(Vec<f64>, Pose)> =
-            rows.iter().filter_map(|row| reading.row(&self.table, &self.home, *row)).collect();
-        if read.len() < 6 || read.iter().any(|(_, pose)| !pose.is_finite()) {
-            return None;
+/// The best reading with those that fit as well.
+fn answer(trial: &Trial<'_>, mut found: Vec<Scored>, as_stated: Option<&Score>) -> Option<Misread> {
+    found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let mut rest = found.into_iter();
+    let (best, score) = rest.next()?;
+    let mechanism = trial.mechanism;
+    let mut alternatives: Vec<Alternative> = Vec::new();
+    for (reading, other) in rest {
+        let detail = reading.detail(mechanism);
+        let is_new = reading != best && alternatives.iter().all(|a| a.detail != detail);
+        if is_new && other.value < TIED * score.value && reading.count() <= best.count() {
+            alternatives.push(Alternative { reading: reading.name(), detail });
         }
-        let at = Conditions::unknown();
-        let rows_read: Vec<ClosureRow<'_>> =
-            read.iter().map(|(joints, pose)| ClosureRow { joints, pose: *pose, at: &at }).collect();
-        let closure_misfit = |frames: &Frames| self.fit.fit(&rows_read, frames, look).map(|fitted| fitted.misfit);
-        if !find_frames {
-            return closure_misfit(&Frames::default());
-        }
-        let poses: Vec<Pose> = read.iter().map(|(_, pose)| *pose).collect();
-        let mut samples: Vec<_> = rows.iter().take(read.len()).map(|k| self.data.sample(*k).clone()).collect();
-        samples.iter_mut().zip(&read).for_each(|(s, (joints, _))| s.joints.clone_from(joints));
-        let noise = self.data.noise;
-        let model: std::sync::Arc<dyn MeasurementModel> =
-            std::sync::Arc::new(PoseMeasurement::full(self.table.convention, &poses, noise.position, noise.rotation));
-        let found = register(self.mechanism, &Dataset::new(samples, model, noise));
-        closure_misfit(&found.frames)
     }
+    let far = |length: &f64| !(*length <= FAR * score.misfit);
+    let failing = match as_stated {
+        // The share of each row in the deviations from the drawing counts with what the row itself leaves.
+        Some(stated) => {
+            let share = stated.value.powi(2) - stated.misfit.powi(2);
+            stated.lengths.iter().filter(|l| far(&(l.powi(2) + share).sqrt())).count()
+        }
+        None => trial.all.len(),
+    };
+    // Of a long file every few rows were looked at.
+    let rows_failing = failing * trial.table.len() / trial.all.len().max(1);
+    Some(Misread {
+        reading: best.name(),
+        detail: best.detail(mechanism),
+        factor: as_stated.map_or(f64::INFINITY, |s| s.value) / score.value,
+        tied_with: alternatives.iter().map(|a| format!("{}: {}", a.reading, a.detail)).collect(),
+        alternatives,
+        rows_failing,
+    })
 }

@@ -1,6 +1,15 @@
-//! Checks that the file is read as it was written. If another sign, unit or order fits much better, that is the answer:
-//! no cause is looked for in a misread file.
+//! Was the file read rightly? Asked before anything is fitted for good.
 
-pub(crate) mod assignment;
+mod assignment;
+mod attitude;
+pub(crate) mod beside_effects;
 pub(crate) mod compare;
-pub(crate) mod misreadings;
+mod found_frames;
+mod in_base;
+mod joint_columns;
+mod mistakes;
+mod reading;
+mod regression;
+mod table;
+mod trial;
+mod unit_factors;

@@ -55,6 +55,10 @@ pub(crate) struct ClosureFitted {
     pub(crate) values: Vec<f64>,
     /// Median length of the whitened misfit of a row.
     pub(crate) misfit: f64,
+    /// What the prior says of the parameters: their deviations over its widths, squared and summed.
+    pub(crate) penalty: f64,
+    /// Length of the whitened misfit of each row; not finite where it has no number.
+    pub(crate) lengths: Vec<f64>,
 }
 
 /// Fits of the parameters of a mechanism.
@@ -166,7 +170,9 @@ impl<'a> ClosureFit<'a> {
             let usual = median(&lengths)?;
             if step == steps {
                 // An exact file leaves rounding; far below the noise there is nothing to compare.
-                return Some(ClosureFitted { values: c, misfit: usual.max(1e-3) });
+                let shift = DVector::from_fn(n, |k, _| c[k] - nominal[k]);
+                let penalty = shift.dot(&(&self.precision * &shift));
+                return Some(ClosureFitted { values: c, misfit: usual.max(1e-3), penalty, lengths });
             }
             let weight = |length: &f64| if length.is_finite() { (FAR * usual / length).min(1.0) } else { 0.0 };
             let weights: Vec<f64> = lengths.iter().map(weight).collect();

@@ -24,6 +24,9 @@ pub fn diagnosis(d: &Diagnosis) -> Value {
         "unknown": d.unknown.as_ref().map(|u| unknown(d, u)),
         "misread": d.misread.as_ref().map(|m| json!({
             "reading": m.reading, "detail": m.detail, "factor": real(m.factor), "tied_with": m.tied_with,
+            "tied": !m.alternatives.is_empty(), "rows_failing": m.rows_failing,
+            "alternatives": m.alternatives.iter().map(|a| json!({ "reading": a.reading, "detail": a.detail }))
+                .collect::<Vec<_>>(),
         })),
         "outlier_rows": rows(&d.outlier_rows),
         "noise_varies": d.noise_varies.as_ref().map(|n| json!({

@@ -127,10 +127,12 @@ pub fn verdict(d: &Diagnosis) -> String {
             };
             format!(
                 "MISREAD ({}): {}.\nRead that way, the data fit {} times better. Nothing was fitted; correct the file \
-                 and try again.{rivals}",
+                 and try again.\nAs the file stands, the mechanism does not fit {} of {} rows.{rivals}",
                 m.reading,
                 m.detail,
-                times_better(m.factor)
+                times_better(m.factor),
+                m.rows_failing,
+                d.samples
             )
         }),
     }

@@ -7,5 +7,6 @@ mod causes;
 mod commands;
 mod detection_limits;
 mod hidden_cases;
+mod misread;
 #[cfg(feature = "cli")]
 mod nameless;

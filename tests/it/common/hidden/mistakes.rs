@@ -32,8 +32,8 @@ pub const FORMS: [(&str, &str); 22] = [
     ("angle-unit", "arcsec"),
     ("length-unit", "pose in m"),
     ("length-unit", "pose in in"),
-    ("length-unit", "legs in m"),
-    ("length-unit", "legs in in"),
+    ("joint-unit", "legs in m"),
+    ("joint-unit", "legs in in"),
     ("axes-swapped", "x y"),
     ("axes-swapped", "rx ry"),
     ("leg-order", ""),
@@ -80,7 +80,7 @@ impl Mistake {
             ("angle-unit", _) => poses(sheet, &angles(3600.0)),
             ("length-unit", "pose in m") => poses(sheet, &places(millimetre)),
             ("length-unit", "pose in in") => poses(sheet, &places(1.0 / 25.4)),
-            ("length-unit", form) => {
+            ("joint-unit", form) => {
                 let by = if form == "legs in m" { millimetre } else { 1.0 / 25.4 };
                 sheet.legs.iter_mut().flatten().for_each(|l| *l *= by);
             }
