@@ -64,7 +64,11 @@ fn place(part: &str, entry: &mut EffectEntry) -> Result<(), String> {
         "leg" => entry.leg = Some(number()?),
         "row" => entry.row = Some(number()?),
         "of" => entry.of = Some(value.trim().to_owned()),
-        other => return Err(format!("'{other}' is none of leg, row, of")),
+        "lag_s" => {
+            let lag = value.trim().parse::<f64>().map_err(|_| format!("'{part}' is not a number"))?;
+            entry.lag_s = Some(lag);
+        }
+        other => return Err(format!("'{other}' is none of leg, row, of, lag_s")),
     }
     Ok(())
 }

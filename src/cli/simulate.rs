@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     errors: Option<PathBuf>,
     /// An effect on the true mechanism or on the instrument: NAME=VALUE,… or NAME[leg=3]=VALUE,…, with row=40 or of=temp_x
-    /// in the brackets where the effect needs them. Values are in SI, one for each parameter in order. Repeat for more
+    /// in the brackets where the effect needs them, and lag_s=1800 where temperatures act late. Values are in SI, one for each parameter in order. Repeat for more
     /// effects. The list of poses is the run; its columns state temperatures, elevation, payload and time.
     #[arg(long = "effect", value_name = "NAME[leg=3]=VALUE,…")]
     effects: Vec<String>,

@@ -30,12 +30,14 @@
 //! ```
 
 mod covariate;
+mod history;
 mod kind;
 mod standard;
 mod state;
 mod table;
 
 pub use covariate::of_leg;
+pub use history::History;
 pub use kind::{Commanded, ConditionKind, Extent, Part, Role, Variation};
 pub use standard::{
     APPROACH_LEG, AZIMUTH, ELEVATION, LENGTH_LEG, PAYLOAD, TEMP_BASE, TEMP_LEG, TEMP_LEGS, TEMP_PLATFORM, TIME,

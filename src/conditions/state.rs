@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::covariate::mean_of_legs;
+use super::history::History;
 use super::standard::TIME;
 
 /// Covariates of one sample by name, and the joints of the samples before.
@@ -35,6 +36,8 @@ pub struct Run {
     pub part: f64,
     /// Joint coordinates of all rows of the run, in file order.
     pub joints: Arc<[Vec<f64>]>,
+    /// Covariates of all rows of the run.
+    pub history: Arc<History>,
 }
 
 impl Conditions {
@@ -43,17 +46,18 @@ impl Conditions {
         Self::default()
     }
 
-    /// Puts states into the run in which they were measured: row, part, and the joints of all rows. The joints before are
+    /// Puts states into the run in which they were measured: row, part, and the joints and covariates of all rows. The joints before are
     /// those of the row before; the first row is approached from `home`.
     ///
     /// The part is that of the time if every state has one and they differ, whatever the order of the rows; else that of the rows.
     pub fn put_in_run(states: &mut [Self], joints: Vec<Vec<f64>>, home: Option<&[f64]>) {
         let parts = parts(states);
         let joints: Arc<[Vec<f64>]> = joints.into();
+        let history = Arc::new(History::of(states));
         for (row, (state, part)) in states.iter_mut().zip(parts).enumerate() {
             let before = row.checked_sub(1).and_then(|row| joints.get(row)).cloned();
             state.previous_joints = before.or_else(|| home.map(<[f64]>::to_vec));
-            state.run = Some(Run { row, part, joints: Arc::clone(&joints) });
+            state.run = Some(Run { row, part, joints: Arc::clone(&joints), history: Arc::clone(&history) });
         }
     }
 

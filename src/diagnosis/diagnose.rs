@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
+use crate::conditions::TIME;
 use crate::diagnosis::answer::findings::findings;
-use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Verdict};
+use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Unknown, UnknownTest, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::preflight::beside_effects::misread_beside_effects;
@@ -14,6 +15,7 @@ use crate::diagnosis::preflight::compare::preflight;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::agreement::stuck;
 use crate::diagnosis::search::iteration::Search;
+use crate::diagnosis::search::lags::with_lags;
 use crate::effect::Environment;
 use crate::identification::{
     CalibrationProblem, Conventions, ErrorSummary, Identifier, LevenbergMarquardt, Prior, PriorPolicy, Task, register,
@@ -61,15 +63,25 @@ fn explained(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
         false => prior,
     };
     let environment = Arc::new(question.environment.with_references_of(&data));
-    let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
+    let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue, &[]);
     let known = question.noise_known && data.noise.known;
     let state = match (Search { subject: &subject, known }).reweighted() {
         Err(error @ DiagnoseError::TooFewRows { .. }) => return Ok(undecided(&data, error.to_string())),
         state => state?,
     };
-    let mut found = findings(question, &subject, &state, missing, &registration)?;
+    let mut found = findings(question, &subject, &state, missing.clone(), &registration)?;
+    let unknown = found.unknown.as_ref().is_some_and(may_be_late);
+    if let Some((subject, state)) = with_lags(&subject, &state, unknown, known, &question.catalogue)? {
+        found = findings(question, &subject, &state, missing, &registration)?;
+    }
     found.warnings.extend(gaps);
     Ok(found)
+}
+
+/// True for what may be a temperature that acts with a lag: it depends on temperature or time.
+fn may_be_late(unknown: &Unknown) -> bool {
+    let slow = |name: &String| name == TIME || name == "row" || name.starts_with("temp_");
+    unknown.test != UnknownTest::Misfit && unknown.covariate.as_ref().is_some_and(slow)
 }
 
 /// True if the joints count from elsewhere than the drawing says, by more than a search would allow them: a convention and no
@@ -86,26 +98,52 @@ fn zeros_are_elsewhere(mechanism: &dyn Mechanism, data: &Dataset) -> bool {
 
 /// Part of the rows that must have a covariate for rows without it to be left out, rather than the covariate.
 const MOST: f64 = 0.8;
+/// Part of the rows that must be left where several covariates have gaps.
+const ENOUGH: f64 = 0.5;
 
-/// The samples that have every covariate that most have, and what to say of the others. A covariate with gaps would else
-/// be none, and its effects would go to their relatives.
+/// The samples that have the covariates with few gaps, and what to say of the others. A covariate with gaps would else be
+/// none, and its effects would go to their relatives. Where the gaps of several would leave too few rows, those whose gaps
+/// cost most are given up, one after the other.
 fn complete_rows(data: &Dataset) -> (Dataset, Vec<String>) {
     let n = data.len();
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for name in data.iter().flat_map(|s| s.conditions.covariates.keys()) {
         *counts.entry(name).or_default() += 1;
     }
-    let nearly: Vec<&str> =
-        counts.iter().filter(|(_, c)| **c < n && **c as f64 >= MOST * n as f64).map(|(name, _)| *name).collect();
-    let whole = |k: &usize| nearly.iter().all(|name| data.sample(*k).conditions.get(name).is_some());
-    let (kept, gaps): (Vec<usize>, Vec<usize>) = (0..n).partition(whole);
-    if gaps.is_empty() || (kept.len() as f64) < MOST * n as f64 {
-        let warning = format!("{} have empty cells; effects that depend on them are not tested", nearly.join(", "));
-        return (data.clone(), if nearly.is_empty() { Vec::new() } else { vec![warning] });
+    let nearly = |count: &usize| *count < n && *count as f64 >= MOST * n as f64;
+    let mut asked: Vec<&str> = counts.iter().filter(|(_, c)| nearly(c)).map(|(name, _)| *name).collect();
+    if asked.is_empty() {
+        return (data.clone(), Vec::new());
     }
-    let rows: Vec<String> = gaps.iter().map(|k| data.sample(*k).row.to_string()).collect();
-    let warning = format!("data rows {} are left out: {} has empty cells there", shortened(&rows), nearly.join(", "));
-    (data.subset(&kept), vec![warning])
+    let complete = |asked: &[&str]| -> Vec<usize> {
+        let whole = |k: &usize| asked.iter().all(|name| data.sample(*k).conditions.get(name).is_some());
+        (0..n).filter(whole).collect()
+    };
+    let mut given_up = Vec::new();
+    let mut kept = complete(&asked);
+    while (kept.len() as f64) < ENOUGH * n as f64 {
+        let without = |k: usize| {
+            let mut others = asked.clone();
+            others.remove(k);
+            complete(&others).len()
+        };
+        let Some(costly) = (0..asked.len()).max_by_key(|k| without(*k)) else { break };
+        given_up.push(asked.remove(costly));
+        kept = complete(&asked);
+    }
+    let mut warnings = Vec::new();
+    if !given_up.is_empty() {
+        let names = given_up.join(", ");
+        warnings.push(format!("{names}: too many empty cells; effects that depend on them are not tested"));
+    }
+    if kept.len() == n {
+        return (data.clone(), warnings);
+    }
+    let is_kept = |k: &usize| kept.binary_search(k).is_ok();
+    let rows: Vec<String> = (0..n).filter(|k| !is_kept(k)).map(|k| data.sample(k).row.to_string()).collect();
+    let names = asked.join(", ");
+    warnings.push(format!("data rows {} are left out: {names} have empty cells there", shortened(&rows)));
+    (data.subset(&kept), warnings)
 }
 
 /// What there is to say of an instrument whose readings do not follow the commands, if it is so.

@@ -23,10 +23,13 @@
 //!    by a test at a family-wise level with all places of a scan counted, and *chosen* by their marginal likelihood
 //!    with priors of physical size, heavy-tailed by a mixture of widths. One is added, all are tried in each other's
 //!    places, and so on; then parameters and values are identified together and the columns computed anew.
-//! 5. **Ties**: every other name within a factor of 20 in evidence is reported.
+//! 5. **Ties**: every other name within a factor of 20 in evidence is reported, and what a missing sensor leaves possible
+//!    (`not_excluded`).
 //! 6. **Remainder** (`remainder`): tests without a named cause. If one finds something, the answer is *unknown*, and if
 //!    one covariate at one leg explains more than all names together the names are withdrawn.
-//! 7. **Gain** (`gain`): errors on rows that were not fitted, with the causes and without.
+//! 7. **Lags** (`lags`): do parts follow their sensors later than at once? If so the search is made again with time
+//!    constants in its scans.
+//! 8. **Gain** (`gain`): errors on rows that were not fitted, with the causes and without.
 //!
 //! Frames, targets and leg offsets are absorbed by the parameters; no effect is named for them. What parameters absorb
 //! is not harmless: a shifting pivot looks right within the measured range and is wrong outside.

@@ -105,7 +105,10 @@ impl Compensator {
         let available = AvailableData::of_state(state);
         let mut lacking = Vec::new();
         let mut acts = |effect: &ActiveEffect| {
-            let names = effect.lacking(&context, &available);
+            let mut names = effect.lacking(&context, &available);
+            if effect.at.lag.is_some() && state.run.is_none() {
+                names.push("rows in the order of measurement".into());
+            }
             let acts = names.is_empty();
             if !acts {
                 lacking.push((effect.label(), names));
@@ -130,7 +133,8 @@ impl Compensator {
         let mut history = if self.remembers { self.commanded.clone() } else { Vec::new() };
         history.push(joints.clone());
         for _ in 0..if self.remembers { ROUNDS } else { 0 } {
-            at.run = Some(Run { row, part: 0.0, joints: history.clone().into() });
+            let recorded = state.run.as_ref().map(|run| Arc::clone(&run.history)).unwrap_or_default();
+            at.run = Some(Run { row, part: 0.0, joints: history.clone().into(), history: recorded });
             (taken, joints) = consistent(&self.model, &values, &target, &at)?;
             let change = joints.iter().zip(&history[row]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             history[row].clone_from(&joints);

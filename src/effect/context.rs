@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix6xX, Vector3};
 
-use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent};
+use super::ScanPoint;
+use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent, TIME};
 use crate::measurement::Dataset;
 use crate::mechanism::{Body, Mechanism, ParameterRole};
-use crate::pose::Pose;
+use crate::pose::{Pose, PoseConvention};
 use crate::units::Dimension;
 
 /// A temperature sensor at a known place of a body.
@@ -27,6 +28,8 @@ pub struct Sensor {
 pub struct Environment {
     /// What the covariates of its data mean.
     pub condition_kinds: ConditionTable,
+    /// How its files write poses.
+    pub convention: PoseConvention,
     /// Temperature at which the geometry holds, °C.
     pub reference_temperature: Option<f64>,
     /// Reference temperatures of single covariates where no common one is stated, °C: the means of the run.
@@ -262,6 +265,20 @@ impl Site<'_> {
         // Most are recorded under their own name, and this is asked for every leg of every sample.
         let recorded = self.conditions.get(covariate);
         let value = recorded.or_else(|| environment.condition_kinds.value(covariate, self.conditions, self.joints))?;
+        Some(environment.difference(covariate, value))
+    }
+
+    /// A temperature less its reference, at a place of a scan: as a part has it that follows with the lag of the place.
+    /// `None` if it was not recorded, or if a lag has no times; beyond the recorded run a part has followed.
+    pub fn temperature_at(&self, covariate: &str, at: &ScanPoint) -> Option<f64> {
+        let Some(lag) = at.lag else { return self.temperature(covariate) };
+        let environment = self.context.environment;
+        let run = self.conditions.run.as_ref()?;
+        self.conditions.get(TIME)?;
+        if run.row >= run.history.rows() {
+            return self.temperature(covariate);
+        }
+        let value = run.history.followed(run.row, covariate, lag, &environment.condition_kinds)?;
         Some(environment.difference(covariate, value))
     }
 

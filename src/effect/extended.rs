@@ -85,7 +85,8 @@ pub(crate) fn label(name: &str, at: &ScanPoint) -> String {
     let leg = at.leg.map(|leg| format!("leg={}", leg + 1));
     let row = at.row.map(|row| format!("row={row}"));
     let covariate = at.covariate.as_ref().map(|c| format!("of={c}"));
-    let places: Vec<String> = [leg, row, covariate].into_iter().flatten().collect();
+    let lag = at.lag.map(|lag| format!("lag_s={lag}"));
+    let places: Vec<String> = [leg, row, covariate, lag].into_iter().flatten().collect();
     if places.is_empty() { name.to_owned() } else { format!("{name}[{}]", places.join(",")) }
 }
 

@@ -18,6 +18,8 @@
 //! | joints | `scale.*`, `length.quadratic`, `cyclic.pitch`, `backlash`, `hysteresis.play`, `joint.*` | |
 //! | gravity | `compliance.*`, `sag.*` | |
 //! | time | `drift.*`, `step.*` | |
+//! | instrument | `instrument.*` | |
+//! | axes of a pose | `axis.*` | |
 //!
 //! [`Effect`] is the trait; your own effects work like those of the crate in a [`Catalogue`]. [`Extended`] is a
 //! mechanism with effects, and again a [`Mechanism`](crate::mechanism::Mechanism): identification, pose selection, compensation and files work with
@@ -57,12 +59,31 @@ pub struct EffectParameter {
     pub dimension: Dimension,
     /// Size that it has in sound machines, SI: the scale of its prior. It decides between names and never shrinks a value.
     pub scale: f64,
+    /// True if it cannot be below zero: bodies do not shrink as they get warmer.
+    pub never_negative: bool,
 }
+
+/// Usual sizes beyond which a value is not plausible.
+const PLAUSIBLE: f64 = 10.0;
+/// σ below zero from which on a value is.
+const BELOW: f64 = 2.0;
 
 impl EffectParameter {
     /// A parameter by name, dimension and usual size.
     pub fn new(name: impl Into<String>, dimension: Dimension, scale: f64) -> Self {
-        Self { name: name.into(), dimension, scale }
+        Self { name: name.into(), dimension, scale, never_negative: false }
+    }
+
+    /// The same, of which values below zero are not plausible.
+    #[must_use]
+    pub fn never_negative(self) -> Self {
+        Self { never_negative: true, ..self }
+    }
+
+    /// True if a value with this 1σ is within ten times the usual size, and not below zero where that cannot be.
+    pub fn is_plausible(&self, value: f64, sigma: f64) -> bool {
+        let below = self.never_negative && value < -BELOW * sigma;
+        value.abs() <= PLAUSIBLE * self.scale && !below
     }
 }
 
@@ -111,8 +132,26 @@ pub trait Effect: Debug + Send + Sync {
         Scan::None
     }
 
+    /// True if its temperatures may act with a lag, whose time constant is then scanned too.
+    fn may_lag(&self) -> bool {
+        false
+    }
+
     /// Names of richer effects of which this one is a special case.
     fn special_case_of(&self) -> &[&str] {
+        &[]
+    }
+
+    /// Directions of its parameters, each as long as [`parameters`](Self::parameters), along one of which it often acts
+    /// alone, such as a single axis. Its evidence is shared between all parameters together and each direction, so that
+    /// parameters that are zero are not held against it.
+    fn often_alone(&self, _setting: &EffectContext<'_>) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Names that differ from it only by what tolerances say of the size of the machine. Where such a name explains as
+    /// much they are reported as tied, whatever the evidence.
+    fn twins(&self) -> &[&str] {
         &[]
     }
 

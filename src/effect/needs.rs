@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{ActiveEffect, AvailableData, Effect, EffectContext, ScanPoint};
-use crate::conditions::{ConditionTable, Conditions};
+use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent, TIME, of_leg};
 use crate::measurement::Dataset;
 
 impl AvailableData {
@@ -24,6 +24,14 @@ impl AvailableData {
     }
 }
 
+/// True for a recorded covariate, and for the mean of legs that are all recorded.
+fn is_known(name: &str, context: &EffectContext<'_>, available: &AvailableData) -> bool {
+    let kinds = &context.environment.condition_kinds;
+    let mean = kinds.of(name).filter(|kind| kind.extent == Extent::EachLeg && kind.of_all_legs() == name);
+    let of_all = |kind: &ConditionKind| (0..context.joints()).all(|leg| available.has(&of_leg(&kind.name, leg)));
+    available.has(name) || mean.is_some_and(of_all)
+}
+
 /// Short and long moves, m or rad.
 fn all_moves() -> Vec<f64> {
     vec![1e-6, 1.0]
@@ -33,11 +41,15 @@ impl ActiveEffect {
     /// Data that the effect needs to act and that `available` lacks.
     pub fn lacking(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
         let own = self.own_temperatures(context);
-        if own.is_empty() {
-            return self.effect.missing(context, available);
+        let mut lacking = match own.is_empty() {
+            true => self.effect.missing(context, available),
+            // At one place of its scan it needs the temperatures of that place only.
+            false => own.into_iter().filter(|name| !is_known(name, context, available)).collect(),
+        };
+        if self.at.lag.is_some() && !(available.run && available.has(TIME)) {
+            lacking.push(TIME.into());
         }
-        // At one place of its scan it needs the temperatures of that place only.
-        own.into_iter().filter(|name| !available.has(name)).collect()
+        lacking
     }
 
     /// The temperatures of which it takes the difference from a reference.

@@ -25,6 +25,8 @@ pub struct ScanPoint {
     pub row: Option<usize>,
     /// Name of the covariate.
     pub covariate: Option<String>,
+    /// Time constant of the first-order lag with which the covariates act, s; `None` if they act at once.
+    pub lag: Option<f64>,
 }
 
 impl ScanPoint {

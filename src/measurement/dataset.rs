@@ -56,6 +56,12 @@ impl Dataset {
         }
     }
 
+    /// The same readings under other conditions.
+    pub(crate) fn with_conditions(&self, change: impl Fn(&Conditions) -> Conditions) -> Self {
+        let sample = |s: &Sample| Sample { conditions: change(&s.conditions), ..s.clone() };
+        Self { samples: self.samples.iter().map(sample).collect(), ..self.clone() }
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.kept.len()

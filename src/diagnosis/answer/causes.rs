@@ -2,13 +2,14 @@
 
 use crate::diagnosis::answer::evidence::added_variable;
 use crate::diagnosis::answer::limits::lambda;
+use crate::diagnosis::answer::not_excluded::Unseen;
 use crate::diagnosis::answer::result::{Cause, CauseParameter, Rival};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::search::iteration::SearchState;
-use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability};
+use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability, twins};
 use crate::effect::EffectParameter;
 use crate::measurement::DataRow;
 use crate::units::Dimension;
@@ -17,14 +18,15 @@ use crate::units::Dimension;
 const TENTATIVE: f64 = 2.0;
 /// A value that is known to this many usual sizes only is not known.
 const UNSEEN: f64 = 1e6;
-/// Usual sizes beyond which a value is not plausible.
-const PLAUSIBLE: f64 = 10.0;
+/// A twin that takes at least this part of the gain explains as much.
+const AS_MUCH: f64 = 0.9;
 
 /// Every name with its values and what speaks for it, by evidence.
 pub(crate) fn causes(
     subject: &Hypotheses<'_>,
     state: &SearchState,
     model: &Model,
+    unseen: &Unseen,
 ) -> Result<Vec<Cause>, DiagnoseError> {
     let step = model.step();
     let covariance = model.effect_covariance() * (model.noise.variance() * state.fitting.inflation);
@@ -47,6 +49,8 @@ pub(crate) fn causes(
         let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
         let lambda_limit = lambda(own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
+        let weight = state.fitting.scale * state.fitting.scale;
+        let not_excluded = unseen.alike(&without, subject, own, weight)?;
         let parameter = |(i, spec): (usize, &EffectParameter)| CauseParameter {
             name: spec.name.clone(),
             value: values[i],
@@ -62,14 +66,19 @@ pub(crate) fn causes(
             leg: place.leg,
             row: place.row,
             of: place.covariate,
+            lag: place.lag,
             parameters: group.parameters.iter().enumerate().map(parameter).collect(),
             p_value: own.p_value,
             evidence: own.evidence,
             tied_with,
+            tentative: size < TENTATIVE || !not_excluded.is_empty(),
+            not_excluded,
             size_over_limit: size,
-            tentative: size < TENTATIVE,
             added_variable: added_variable(&subject.groups, &without, name, &values, sigma),
-            plausible: group.parameters.iter().zip(&values).all(|(p, v)| v.abs() <= PLAUSIBLE * p.scale),
+            plausible: group.parameters.iter().enumerate().all(|(i, p)| {
+                let sigma = covariance[(at + i, at + i)].max(0.0).sqrt();
+                p.is_plausible(values[i], sigma)
+            }),
         });
         at += p;
     }
@@ -104,17 +113,20 @@ fn rivals(
         let log_bayes_factor = own - s.evidence;
         // What the data can hardly tell apart is not told apart by the sizes that are usual.
         let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
-        if log_bayes_factor > reach {
+        // Only tolerances tell a twin, and they are no measurement.
+        let twin = twins(&subject.groups, name, &s.candidate) && s.gain > AS_MUCH * scores[name.group].gain;
+        if log_bayes_factor > reach && !twin {
             continue;
         }
         let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
-        if log_bayes_factor <= TIED || separability < TOLD_APART {
+        if twin || log_bayes_factor <= TIED || separability < TOLD_APART {
             let at = s.candidate.at(&subject.groups, &rows);
             tied.push(Rival {
                 effect: subject.groups[s.candidate.group].effect.name().into(),
                 leg: at.leg,
                 row: at.row,
                 of: at.covariate,
+                lag: at.lag,
                 values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
                 log_bayes_factor,
                 separability,

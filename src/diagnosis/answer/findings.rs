@@ -5,6 +5,7 @@ use crate::diagnosis::answer::causes::causes;
 use crate::diagnosis::answer::evidence::joint_residuals;
 use crate::diagnosis::answer::gain::{folds, held_out, rms};
 use crate::diagnosis::answer::limits::limit;
+use crate::diagnosis::answer::not_excluded::Unseen;
 use crate::diagnosis::answer::result::{Cause, Diagnosis, Gain, NotFound, NotTestable, Unknown, UnknownTest, Verdict};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
@@ -40,7 +41,8 @@ pub(crate) fn findings(
     let without = alone.as_ref().unwrap_or(model);
     let kept = state.kept().samples();
     let gains = gain(question, without, model, &kept);
-    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without, &gains)?;
+    let beyond = Unseen::new(subject, state, &question.catalogue, &not_testable)?;
+    let Conclusion { causes, unknown, withdrawn } = conclude(subject, state, without, (&gains, &beyond))?;
     let (judged, names) = if withdrawn { (without, Vec::new()) } else { (model, state.names().to_vec()) };
     let mut effects = if withdrawn { Vec::new() } else { state.point.effects.clone() };
     let (not_found, unseen) = not_found(subject, judged, without, &names, &causes);
@@ -93,7 +95,7 @@ fn conclude(
     subject: &Hypotheses<'_>,
     state: &SearchState,
     without: &Model,
-    gains: &Gain,
+    (gains, unseen): (&Gain, &Unseen),
 ) -> Result<Conclusion, DiagnoseError> {
     let (model, names) = (&state.model, state.names());
     let known = covariates(subject.data, &subject.environment.condition_kinds);
@@ -101,7 +103,7 @@ fn conclude(
     if !subject.is_pose_space() {
         everything.extend(coordinates_of_pose(subject.mechanism, subject.data));
     }
-    let mut causes = causes(subject, state, model)?;
+    let mut causes = causes(subject, state, model, unseen)?;
     let mut unknown = remainder(model, &everything).filter(|u| !is_rounding(without, model, u.leg));
     let mut withdrawn = false;
     if !names.is_empty() {

@@ -6,4 +6,5 @@ pub(crate) mod evidence;
 pub(crate) mod findings;
 pub(crate) mod gain;
 pub(crate) mod limits;
+pub(crate) mod not_excluded;
 pub(crate) mod result;

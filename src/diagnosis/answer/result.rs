@@ -1,6 +1,6 @@
 //! The result of a diagnosis. Text, JSON and charts are views of it.
 
-use crate::effect::{ActiveEffect, ActsOn, Environment};
+use crate::effect::{ActiveEffect, ActsOn, Environment, ScanPoint};
 use crate::identification::ErrorSummary;
 use crate::measurement::{DataRow, Frames};
 use crate::units::Dimension;
@@ -64,6 +64,8 @@ pub struct Rival {
     pub row: Option<usize>,
     /// Covariate or place of its scan.
     pub of: Option<String>,
+    /// Time constant with which its temperatures act, s.
+    pub lag: Option<f64>,
     /// Values that its parameters would have, SI.
     pub values: Vec<f64>,
     /// How much less evidence it has, nats; below zero if it has more.
@@ -91,6 +93,8 @@ pub struct Cause {
     pub row: Option<usize>,
     /// Covariate or place of its scan.
     pub of: Option<String>,
+    /// Time constant with which its temperatures act, s; `None` if at once.
+    pub lag: Option<f64>,
     /// Values, in the order of the effect's parameters.
     pub parameters: Vec<CauseParameter>,
     /// Probability of such a gain by chance, all places that were tried counted.
@@ -99,14 +103,30 @@ pub struct Cause {
     pub evidence: f64,
     /// Names that the data do not exclude.
     pub tied_with: Vec<Rival>,
+    /// Effects that could not be tested, because a sensor is missing, and could look alike.
+    pub not_excluded: Vec<String>,
     /// Size in multiples of the detection limit.
     pub size_over_limit: f64,
-    /// True below twice the limit.
+    /// True below twice the limit, and where another effect is not excluded because its sensor is missing.
     pub tentative: bool,
-    /// True if every value is within ten times its usual size.
+    /// True if every value is within ten times its usual size, and none is below zero that cannot be.
     pub plausible: bool,
     /// Residual without the cause over the part that nothing else imitates.
     pub added_variable: AddedVariable,
+}
+
+impl Cause {
+    /// Where in its scan the effect is, but for the row.
+    pub(crate) fn place(&self) -> ScanPoint {
+        ScanPoint { leg: self.leg, covariate: self.of.clone(), lag: self.lag, row: None }
+    }
+}
+
+impl Rival {
+    /// Where in its scan the effect is, but for the row.
+    pub(crate) fn place(&self) -> ScanPoint {
+        ScanPoint { leg: self.leg, covariate: self.of.clone(), lag: self.lag, row: None }
+    }
 }
 
 /// An added-variable plot: a cause that is one lies along the diagonal, and its slope over its scatter is its evidence.

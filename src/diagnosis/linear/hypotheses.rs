@@ -6,9 +6,11 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::conditions::TIME;
 use crate::diagnosis::answer::result::NotTestable;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::linear::unit_motion::UnitMotion;
 use crate::effect::{
@@ -25,6 +27,8 @@ use crate::solve::{LeastSquaresMethod, LeastSquaresOptions, SolveError, least_sq
 pub(crate) struct EffectColumns {
     pub(crate) effect: Arc<dyn Effect>,
     pub(crate) parameters: Vec<EffectParameter>,
+    /// Directions of its parameters along one of which it often acts alone.
+    pub(crate) alone: Vec<Vec<f64>>,
     pub(crate) places: Vec<ScanSite>,
 }
 
@@ -33,7 +37,7 @@ impl EffectColumns {
     pub(crate) fn unchanging(&self) -> NotTestable {
         let covariates = self.effect.covariates(&self.places[0].at);
         let what = match covariates.len() {
-            0 => "the covariate".into(),
+            0 => "what it depends on".into(),
             1..=3 => covariates.join(", "),
             _ => format!("{} and the others", covariates[0]),
         };
@@ -74,13 +78,15 @@ pub(crate) struct Point {
 }
 
 impl<'a> Hypotheses<'a> {
-    /// The effects of a catalogue that can be tested, and what the others miss.
+    /// The effects of a catalogue that can be tested, and what the others miss. Where times were recorded those that may act
+    /// with a lag have columns for these time constants, s, too.
     pub(crate) fn new(
         mechanism: &'a dyn Mechanism,
         data: &'a Dataset,
         environment: Arc<Environment>,
         prior: Prior,
         catalogue: &Catalogue,
+        lags: &[f64],
     ) -> (Self, Vec<NotTestable>) {
         let available = AvailableData::of(data);
         let mut groups = Vec::new();
@@ -95,17 +101,45 @@ impl<'a> Hypotheses<'a> {
                     continue;
                 }
                 let parameters = effect.parameters(&context);
-                let (points, scans_rows) = scan_points(effect.as_ref(), &context, &available);
+                let (mut points, scans_rows) = scan_points(effect.as_ref(), &context, &available);
+                if effect.may_lag() && available.run && available.has(TIME) {
+                    points = points.into_iter().flat_map(|at| lagged(&at, lags)).collect();
+                }
                 let place = |at: ScanPoint| {
                     let columns = next..next + parameters.len();
                     next = columns.end;
                     ScanSite { at, columns, scans_rows }
                 };
                 let places = points.into_iter().map(place).collect();
-                groups.push(EffectColumns { effect: Arc::clone(effect), parameters, places });
+                let alone = effect.often_alone(&context);
+                groups.push(EffectColumns { effect: Arc::clone(effect), parameters, alone, places });
             }
         }
         (Self { mechanism, data, environment, prior, groups }, missing)
+    }
+
+    /// The same question to these effects, with lags.
+    pub(crate) fn with_lags(&self, catalogue: &Catalogue, lags: &[f64]) -> Self {
+        Self::new(self.mechanism, self.data, Arc::clone(&self.environment), self.prior.clone(), catalogue, lags).0
+    }
+
+    /// The place of a hypothesis.
+    pub(crate) fn place(&self, name: &Hypothesis) -> &ScanSite {
+        &self.groups[name.group].places[name.place]
+    }
+
+    /// The hypothesis that an effect acts at a place, from a sample on if rows are scanned.
+    pub(crate) fn find(&self, effect: &str, at: &ScanPoint, from: Option<usize>) -> Option<Hypothesis> {
+        let group = self.groups.iter().position(|g| g.effect.name() == effect)?;
+        let same = |p: &ScanSite| p.at.leg == at.leg && p.at.covariate == at.covariate && p.at.lag == at.lag;
+        let place = self.groups[group].places.iter().position(same)?;
+        Some(Hypothesis { group, place, from })
+    }
+
+    /// The same effect at the same place with another lag.
+    pub(crate) fn at_lag(&self, name: &Hypothesis, lag: Option<f64>) -> Option<Hypothesis> {
+        let at = ScanPoint { lag, ..self.place(name).at.clone() };
+        self.find(self.groups[name.group].effect.name(), &at, name.from)
     }
 
     /// True if the joints are the coordinates of the pose.
@@ -276,6 +310,12 @@ fn scan_points(effect: &dyn Effect, context: &EffectContext<'_>, available: &Ava
         }
     };
     (points, scans_rows)
+}
+
+/// A place at once, and with each lag.
+fn lagged(at: &ScanPoint, lags: &[f64]) -> Vec<ScanPoint> {
+    let with = |lag: Option<f64>| ScanPoint { lag, ..at.clone() };
+    std::iter::once(None).chain(lags.iter().copied().map(Some)).map(with).collect()
 }
 
 /// Where the values of each effect stand among the unknowns of an identification: those on the mechanism behind its

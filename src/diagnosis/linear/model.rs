@@ -112,6 +112,16 @@ impl Model {
         self.q_t().norm_squared()
     }
 
+    /// How many rows say what one independent row would.
+    pub(crate) fn inflation(&self) -> f64 {
+        self.inflation
+    }
+
+    /// Number of columns of the accepted effects.
+    pub(crate) fn candidates_columns(&self) -> usize {
+        self.inverse.nrows() - self.table().nuisance
+    }
+
     pub(crate) fn table(&self) -> &DesignMatrix {
         &self.kept.table
     }

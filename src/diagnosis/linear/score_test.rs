@@ -56,6 +56,17 @@ impl ScoreTest {
         (determinant > PLAINLY_SEEN).then(|| factor.form(&self.c.component_div(&scale)))
     }
 
+    /// The block along one direction of its columns.
+    pub(crate) fn along(&self, direction: &[f64]) -> Self {
+        let d = DVector::from_column_slice(direction);
+        let one = |value: f64| DVector::from_element(1, value);
+        Self {
+            s: DMatrix::from_element(1, 1, (&self.s * &d).dot(&d)),
+            c: one(self.c.dot(&d)),
+            raw: one(d.iter().zip(&self.raw).map(|(d, raw)| d * d * raw).sum()),
+        }
+    }
+
     /// The values that the block would take; directions that the data do not see stay at zero.
     pub(crate) fn values(&self) -> Vec<f64> {
         let (eigen, scale) = self.normalized();

@@ -49,7 +49,7 @@ pub fn detection_limits(question: &Question<'_>) -> Result<(Vec<NotFound>, Vec<N
     let prior = Prior::wide(question.mechanism, TOLERANCES, Conventions::FRAMES);
     let environment = Arc::new(question.environment.with_references_of(question.data));
     let (subject, mut missing) =
-        Hypotheses::new(question.mechanism, question.data, environment, prior, &question.catalogue);
+        Hypotheses::new(question.mechanism, question.data, environment, prior, &question.catalogue, &[]);
     let table = table_of(&subject)?;
     let model = model_of(&subject, &table, Vec::new())?;
     let mut limits = Vec::new();

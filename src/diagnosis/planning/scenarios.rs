@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::conditions::{ConditionKind, ConditionTable, Conditions, Extent, Part, Role, TIME, of_leg};
 use crate::diagnosis::answer::result::{Cause, Diagnosis};
 use crate::diagnosis::question::Question;
-use crate::effect::ScanPoint;
+use crate::effect::{ActsOn, ScanPoint};
 use crate::measurement::{DataRow, Sample};
 use crate::mechanism::Mechanism;
 use crate::units::three_digits;
@@ -18,6 +18,9 @@ const ADDED: usize = 12;
 const WARM: f64 = 2.0;
 const HOT: f64 = 5.0;
 
+/// How much farther from home poses are measured where growth looks like a motion of the frame.
+const FAR: [f64; 2] = [4.0, 8.0];
+
 /// What to do in a sentence, and the samples to add.
 pub(crate) type Plan = (String, Vec<Sample>);
 
@@ -27,6 +30,7 @@ pub(crate) fn scenarios(question: &Question<'_>, mechanism: &dyn Mechanism, foun
     let mut all = vec![("nothing more: the present data only".into(), Vec::new()), further.same(), further.wide()];
     all.extend(further.temperatures());
     all.extend(further.conditions());
+    all.extend(FAR.into_iter().filter_map(|times| further.far_and_warm(times)));
     all
 }
 
@@ -41,6 +45,8 @@ struct Further<'a> {
     last: &'a Conditions,
     /// Covariates that the names and their rivals depend on.
     depends: BTreeSet<String>,
+    /// The names and their rivals.
+    names: Vec<String>,
     /// The leg that is named.
     leg: usize,
 }
@@ -57,6 +63,7 @@ impl<'a> Further<'a> {
             chosen: (0..ADDED).map(|k| data.sample(k * (n - 1) / (ADDED - 1))).collect(),
             last: &data.sample(n - 1).conditions,
             depends: depends_on(question, found),
+            names: names_of(found),
             leg: found.causes.iter().find_map(|c| c.leg.or_else(|| of_rivals(c))).unwrap_or(0),
         }
     }
@@ -98,19 +105,63 @@ impl<'a> Further<'a> {
     fn wide(&self) -> Plan {
         let mut samples = self.plan(|_, _| {});
         for sample in &mut samples {
-            if let Some(joints) = self.twice_as_far(&sample.joints).filter(|j| self.mechanism.within_strokes(j)) {
+            if let Some(joints) = self.farther(&sample.joints, 2.0).filter(|j| self.mechanism.within_strokes(j)) {
                 sample.joints = joints;
             }
         }
         (format!("{ADDED} poses twice as far from home"), samples)
     }
 
-    /// The joints of the pose twice as far from home.
-    fn twice_as_far(&self, joints: &[f64]) -> Option<Vec<f64>> {
+    /// Poses far from home, each with the temperatures as they are and with each body in turn heated: what grows moves them
+    /// otherwise than those near home, and a frame moves all alike.
+    fn far_and_warm(&self, times: f64) -> Option<Plan> {
+        let follows =
+            |name: &str| self.question.catalogue.get(name).is_some_and(|e| e.acts_on() == ActsOn::Measurement);
+        let warm = self.depends_on_role(|role| matches!(role, Role::Temperature(_)));
+        if !(warm && self.names.iter().any(|name| follows(name))) {
+            return None;
+        }
+        let bodies = self.bodies();
+        let states = bodies.len() + 1;
+        let far: Vec<Vec<f64>> = self
+            .chosen
+            .iter()
+            .filter_map(|s| self.farther(&s.joints, times))
+            .filter(|j| self.mechanism.within_strokes(j))
+            .collect();
+        if far.len() < self.chosen.len() {
+            return None;
+        }
+        let mut samples = Vec::with_capacity(ADDED * states);
+        for state in 0..states {
+            let mut part = self.plan(|_, c| {
+                if let Some(names) = state.checked_sub(1).map(|body| &bodies[body]) {
+                    heat(c, names, HOT);
+                }
+            });
+            for (k, (sample, joints)) in part.iter_mut().zip(&far).enumerate() {
+                let row = self.question.data.len() + ADDED * state + k;
+                sample.joints.clone_from(joints);
+                sample.row = DataRow(row);
+                if let Some(run) = &mut sample.conditions.run {
+                    run.row = row;
+                }
+            }
+            samples.extend(part);
+        }
+        let what = "as the temperatures are and with each body in turn (platform, base, all legs, one leg)";
+        Some((
+            format!("{ADDED} poses {times} times as far from home if they can be reached, {what} heated by {HOT} K"),
+            samples,
+        ))
+    }
+
+    /// The joints of the pose so many times as far from home.
+    fn farther(&self, joints: &[f64], times: f64) -> Option<Vec<f64>> {
         let (mechanism, convention, at) = (self.mechanism, &self.question.convention, Conditions::unknown());
         let pose = mechanism.forward(mechanism.values(), joints, &at, &mechanism.home()).ok()?;
         let (q, home) = (convention.coordinates(&pose), convention.coordinates(&mechanism.home()));
-        let far: [f64; 6] = std::array::from_fn(|k| 2.0 * q[k] - home[k]);
+        let far: [f64; 6] = std::array::from_fn(|k| home[k] + times * (q[k] - home[k]));
         mechanism.inverse(mechanism.values(), &convention.pose(&far), &at).ok()
     }
 
@@ -123,6 +174,19 @@ impl<'a> Further<'a> {
             })
         };
         self.last.covariates.keys().filter(is_one).cloned().collect()
+    }
+
+    /// The temperatures of the platform, of the base, of all legs, and of the named leg.
+    fn parts(&self) -> [Vec<String>; 4] {
+        let body = |wanted: Part| self.recorded(|_, kind, part| part == wanted && kind.extent == Extent::Machine);
+        let legs = self.recorded(|_, _, part| part == Part::Leg);
+        let own = self.recorded(|name, _, part| part == Part::Leg && self.kinds.leg_of(name) == Some(self.leg));
+        [body(Part::Platform), body(Part::Base), legs, own]
+    }
+
+    /// Those of them that were recorded.
+    fn bodies(&self) -> Vec<Vec<String>> {
+        self.parts().into_iter().filter(|names| !names.is_empty()).collect()
     }
 
     /// Plans that heat and cool.
@@ -142,15 +206,11 @@ impl<'a> Further<'a> {
             let samples = || self.plan(|_, c| heat(c, names, by));
             (!names.is_empty()).then(|| (format!("{ADDED} poses with only {what} heated by {by} K"), samples()))
         };
-        let body = |wanted: Part| self.recorded(|_, kind, part| part == wanted && kind.extent == Extent::Machine);
-        let (platform, base) = (body(Part::Platform), body(Part::Base));
-        let legs = self.recorded(|_, _, part| part == Part::Leg);
-        let own = self.recorded(|name, _, part| part == Part::Leg && self.kinds.leg_of(name) == Some(self.leg));
+        let [platform, base, legs, own] = self.parts();
         // One thing after the other settles what no single one does.
-        let parts = [&platform, &base, &legs, &own];
-        let bodies: Vec<&Vec<String>> = parts.into_iter().filter(|names| !names.is_empty()).collect();
+        let bodies = self.bodies();
         let in_turn = (bodies.len() > 1).then(|| {
-            let samples = self.plan(|k, c| heat(c, bodies[k % bodies.len()], HOT));
+            let samples = self.plan(|k, c| heat(c, &bodies[k % bodies.len()], HOT));
             let what = "each body in turn (platform, base, all legs, one leg)";
             (format!("{ADDED} poses with {what} heated by {HOT} K"), samples)
         });
@@ -247,6 +307,12 @@ fn between(kind: &ConditionKind, [from, to]: [f64; 2]) -> String {
         Role::Load if from == 0.0 => format!("no {} and {}", kind.label, kind.shown(to)),
         _ => format!("{} {} and {}", kind.label, kind.shown(from), kind.shown(to)),
     }
+}
+
+/// The names and their rivals.
+fn names_of(found: &Diagnosis) -> Vec<String> {
+    let rivals = found.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.clone());
+    found.causes.iter().map(|c| c.effect.clone()).chain(rivals).collect()
 }
 
 /// The covariates that the names and their rivals depend on.

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use crate::diagnosis::answer::result::{Cause, Diagnosis};
 use crate::diagnosis::error::DiagnoseError;
-use crate::diagnosis::linear::hypotheses::{Hypotheses, ScanSite};
+use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::planning::design::{model_of, planned, table_of};
 use crate::diagnosis::planning::scenarios::scenarios;
 use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::stepwise::{TOLD_APART, related, separability};
+use crate::effect::ScanPoint;
 use crate::identification::{Conventions, Prior};
 use crate::measurement::{Dataset, Noise, RowKind, Sample};
 use crate::mechanism::Mechanism;
@@ -97,9 +98,10 @@ fn separations(
     let data = planned(mechanism, samples, question.convention, noise, measured(question.data))?;
     let environment = Arc::new(question.environment.with_references_of(question.data));
     let prior = Prior::wide(mechanism, TOLERANCES, Conventions::FRAMES);
-    let (subject, _) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue);
+    let lags = lags_of(found);
+    let (subject, _) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue, &lags);
     let table = table_of(&subject)?;
-    let named = |c: &Cause| candidate(&subject, &c.effect, c.leg, c.row, c.of.as_ref());
+    let named = |c: &Cause| candidate(&subject, &c.effect, &c.place(), c.row);
     let mut separations = Vec::new();
     for cause in tied {
         let others = found.causes.iter().filter(|c| !std::ptr::eq(*c, *cause)).filter_map(named).collect();
@@ -108,7 +110,7 @@ fn separations(
         let own: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
         let mut all = vec![(&cause.effect, named(cause), own)];
         for r in &cause.tied_with {
-            all.push((&r.effect, candidate(&subject, &r.effect, r.leg, r.row, r.of.as_ref()), r.values.clone()));
+            all.push((&r.effect, candidate(&subject, &r.effect, &r.place(), r.row), r.values.clone()));
         }
         for (k, (name, one, of_one)) in all.iter().enumerate() {
             for (rival, other, of_other) in &all[k + 1..] {
@@ -135,17 +137,18 @@ fn measured(data: &Dataset) -> [bool; 6] {
     [true, true, true, angles || poses, angles || poses, angles || poses]
 }
 
+/// The lags of the names and of their rivals.
+fn lags_of(found: &Diagnosis) -> Vec<f64> {
+    let own = found.causes.iter().filter_map(|c| c.lag);
+    let of_rivals = found.causes.iter().flat_map(|c| &c.tied_with).filter_map(|r| r.lag);
+    let mut lags: Vec<f64> = own.chain(of_rivals).collect();
+    lags.sort_by(f64::total_cmp);
+    lags.dedup();
+    lags
+}
+
 /// The place of an effect in the table of a subject.
-fn candidate(
-    subject: &Hypotheses<'_>,
-    name: &str,
-    leg: Option<usize>,
-    row: Option<usize>,
-    of: Option<&String>,
-) -> Option<Hypothesis> {
-    let group = subject.groups.iter().position(|g| g.effect.name() == name)?;
-    let is_it = |p: &ScanSite| p.at.leg == leg && p.at.covariate.as_ref() == of;
-    let place = subject.groups[group].places.iter().position(is_it)?;
+fn candidate(subject: &Hypotheses<'_>, name: &str, at: &ScanPoint, row: Option<usize>) -> Option<Hypothesis> {
     let from = row.and_then(|row| subject.data.iter().position(|s| s.row.0 >= row));
-    Some(Hypothesis { group, place, from })
+    subject.find(name, at, from)
 }

@@ -5,6 +5,7 @@ pub(crate) mod agreement;
 pub(crate) mod covariates;
 pub(crate) mod curve;
 pub(crate) mod iteration;
+pub(crate) mod lags;
 pub(crate) mod noise;
 pub(crate) mod outliers;
 pub(crate) mod remainder;

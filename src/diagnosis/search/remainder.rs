@@ -34,10 +34,15 @@ const JUMP: f64 = 5e-4;
 const SCATTER: f64 = 5e-4;
 const SIZE: f64 = 2e-3;
 
-/// Worth of these names together beside the parameters alone, nats.
+/// Worth of these names together beside the parameters alone, nats. A single name that acts along one direction only does
+/// not pay for the others.
 pub(crate) fn worth_of(without: &Model, groups: &[EffectColumns], names: &[Hypothesis]) -> f64 {
-    let (gain, rank) = without.ask_all(groups, names).gain();
-    worth(without, gain, rank as f64)
+    let asked = without.ask_all(groups, names);
+    let (gain, rank) = asked.gain();
+    let together = worth(without, gain, rank as f64);
+    let [name] = names else { return together };
+    let alone = groups[name.group].alone.iter().map(|direction| worth(without, asked.along(direction).gain().0, 1.0));
+    alone.fold(together, f64::max)
 }
 
 /// Residual along each leg, squared, and across it, over what the noise would give: `(Σ z²/(1 - h), number, the same

@@ -9,6 +9,7 @@ use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::kept_rows::KeptRows;
 use crate::diagnosis::linear::model::{Fitting, Model};
+use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::log_mean;
 use crate::solve::{Triangle, svd};
 
@@ -64,7 +65,7 @@ pub(crate) fn score(model: &Model, groups: &[EffectColumns], group: usize) -> Sc
             continue;
         }
         places += 1;
-        evidences.push(asked.evidence((gain, rank), &scales, &model.noise));
+        evidences.push(evidence(&asked, (gain, rank), &groups[group], &scales, model));
         match largest.iter_mut().find(|(_, of, _)| *of == rank) {
             Some(found) if gain > found.0 => *found = (gain, rank, candidate),
             Some(_) => {}
@@ -83,6 +84,21 @@ pub(crate) fn score(model: &Model, groups: &[EffectColumns], group: usize) -> Sc
     best.evidence = log_mean(&evidences);
     best.p_value = if places == 0 { 1.0 } else { (least * places as f64).min(1.0) };
     best
+}
+
+/// The evidence of an effect at one place: of all its parameters, or shared between these and the directions along which it
+/// often acts alone.
+fn evidence(asked: &ScoreTest, gain: (f64, usize), effect: &EffectColumns, scales: &[f64], model: &Model) -> f64 {
+    let of_all = asked.evidence(gain, scales, &model.noise);
+    let along = |direction: &Vec<f64>| {
+        let one = asked.along(direction);
+        let gain = one.gain();
+        // Directions count from the parameter that they begin with.
+        let scale = direction.iter().zip(scales).find(|(d, _)| **d != 0.0).map_or(1.0, |(_, scale)| *scale);
+        (gain.1 > 0).then(|| one.evidence(gain, &[scale], &model.noise))
+    };
+    let all: Vec<f64> = std::iter::once(of_all).chain(effect.alone.iter().filter_map(along)).collect();
+    log_mean(&all)
 }
 
 /// What the search needs beside the rows.
@@ -106,7 +122,10 @@ impl Stepwise<'_> {
         let tests = scores.iter().filter(|s| s.rank > 0).count().max(1);
         // Beside a large effect, what is not linear in it looks like a small one.
         let worth = if model.candidates.is_empty() { 0.0 } else { SECOND };
-        let detected = scores.into_iter().filter(|s| s.p_value < LEVEL / tests as f64 && s.evidence > worth);
+        // Two time constants of one part only trace a third.
+        let twice = |s: &Score| model.candidates.iter().any(|name| another_lag(self.groups, name, &s.candidate));
+        let significant = |s: &Score| s.p_value < LEVEL / tests as f64 && s.evidence > worth;
+        let detected = scores.into_iter().filter(|s| significant(s) && !twice(s));
         detected.max_by(|a, b| a.evidence.total_cmp(&b.evidence))
     }
 
@@ -161,6 +180,19 @@ impl Stepwise<'_> {
 pub(crate) fn related(groups: &[EffectColumns], one: &Hypothesis, other: &Hypothesis) -> bool {
     let (a, b) = (&groups[one.group].effect, &groups[other.group].effect);
     a.special_case_of().contains(&b.name()) || b.special_case_of().contains(&a.name())
+}
+
+/// True if two hypotheses are one effect at one place with different lags.
+fn another_lag(groups: &[EffectColumns], one: &Hypothesis, other: &Hypothesis) -> bool {
+    let at = |name: &Hypothesis| &groups[name.group].places[name.place].at;
+    let (a, b) = (at(one), at(other));
+    one.group == other.group && a.leg == b.leg && a.covariate == b.covariate && a.lag != b.lag
+}
+
+/// True if two effects differ by the size of the machine alone.
+pub(crate) fn twins(groups: &[EffectColumns], one: &Hypothesis, other: &Hypothesis) -> bool {
+    let (a, b) = (&groups[one.group].effect, &groups[other.group].effect);
+    a.twins().contains(&b.name()) || b.twins().contains(&a.name())
 }
 
 /// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside

@@ -11,6 +11,7 @@
 //! | `thermal.platform`, `thermal.base` | `δaᵢ = α (T_p - T₀) aᵢ`, `δbᵢ = α (T_b - T₀) bᵢ` | expansion |
 //! | `thermal.gradient` | `δbᵢ = α (T₀' + ½ G·bᵢ) bᵢ` with `T₀' + G·b` through three or more sensors | expansion |
 //! | `thermal.pose` | `δq = v (T - T₀)` in pose space | six |
+//! | `thermal.frame` | `δt = v (T - T₀)`, `δω = w (T - T₀)`, seen | six |
 //! | `scale.common`, `scale.per_leg` | `Δᵢ = k (Lᵢ - L₀ᵢ)`, `Δᵢ = kᵢ (Lᵢ - L₀ᵢ)` | one, or one per leg |
 //! | `length.quadratic` | `Δᵢ = cᵢ (Lᵢ - L₀ᵢ)²` | one per leg |
 //! | `cyclic.pitch` | `Δᵢ = Aᵢ sin(2πLᵢ/p) + Bᵢ cos(2πLᵢ/p)` | two per leg |
@@ -24,6 +25,9 @@
 //! | `joint.screw_coupling` | `Δᵢ = κ ψᵢ`, `ψᵢ` the twist of the leg | κ |
 //! | `drift.frame`, `drift.leg` | `δq = d τ`, seen; `Δₖ = d τ`, `τ` from 0 to 1 through the run | six; one |
 //! | `step.frame`, `step.leg` | as the drifts, a constant from one row on | six; one |
+//! | `instrument.scale`, `instrument.rotation_gain` | `δt = diag(k) t`; `δω = E diag(k) (α - α₀)`, seen | three |
+//! | `instrument.skew` | `δx = s₁ y + s₂ z`, `δy = s₃ z`, seen | three |
+//! | `axis.scale`, `axis.cyclic`, `axis.backlash` | as `scale.per_leg`, `cyclic.pitch` and `backlash`, for one coordinate of a pose | one; two; one |
 //!
 //! Misplaced trackers, misplaced targets and offsets of legs are not in the catalogue: the kinematic parameters
 //! contain them to rounding (18 of the 42 directions), and a diagnosis that finds them is wrong.
@@ -31,7 +35,9 @@
 //! A new effect is a type in the file of its group and a line in the list below; its conditions are entries of the
 //! [table of conditions](crate::conditions).
 
+mod axis;
 mod gravity;
+mod instrument;
 mod joints;
 mod length;
 mod thermal;
@@ -39,12 +45,14 @@ mod time;
 
 use std::sync::Arc;
 
+pub use axis::{AxisBacklash, AxisCyclic, AxisScale};
 pub use gravity::{ComplianceGravity, CompliancePayload, SagFrame, SagLinear, SagPlatform};
+pub use instrument::{InstrumentRotationGain, InstrumentScale, InstrumentSkew};
 pub use joints::{Backlash, PivotShift, Play, ScrewCoupling};
 pub use length::{CyclicPitch, LengthQuadratic, ScaleCommon, ScalePerLeg};
 pub use thermal::{
-    ThermalBase, ThermalGradient, ThermalLegSingle, ThermalLegsIndividual, ThermalLegsUniform, ThermalPlatform,
-    ThermalPose,
+    ThermalBase, ThermalFrame, ThermalGradient, ThermalLegSingle, ThermalLegsIndividual, ThermalLegsUniform,
+    ThermalPlatform, ThermalPose,
 };
 pub use time::{Course, FrameMoves, LegMoves};
 
@@ -125,6 +133,7 @@ fn standard() -> Vec<Arc<dyn Effect>> {
         Arc::new(ThermalBase),
         Arc::new(ThermalGradient),
         Arc::new(ThermalPose),
+        Arc::new(ThermalFrame),
         Arc::new(ScaleCommon),
         Arc::new(ScalePerLeg),
         Arc::new(LengthQuadratic),
@@ -142,6 +151,12 @@ fn standard() -> Vec<Arc<dyn Effect>> {
         Arc::new(LegMoves(Course::Drift)),
         Arc::new(FrameMoves(Course::Step)),
         Arc::new(LegMoves(Course::Step)),
+        Arc::new(InstrumentScale),
+        Arc::new(InstrumentRotationGain),
+        Arc::new(InstrumentSkew),
+        Arc::new(AxisScale),
+        Arc::new(AxisCyclic),
+        Arc::new(AxisBacklash),
     ]
 }
 
@@ -167,6 +182,11 @@ fn move_frame(shift: Vector3<f64>, turn: Vector3<f64>, site: &super::Site<'_>, o
     let arm = if site.context.is_pose_space() { Vector3::zeros() } else { site.pose.position };
     let shift = shift + turn.cross(&arm);
     out.pose += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
+}
+
+/// Each of so many parameters alone, as directions.
+fn each_alone(count: usize) -> Vec<Vec<f64>> {
+    (0..count).map(|k| (0..count).map(|i| f64::from(u8::from(i == k))).collect()).collect()
 }
 
 /// Covariates of a stem for every leg that there may be.

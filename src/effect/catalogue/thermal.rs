@@ -2,14 +2,17 @@
 //!
 //! Steel grows by 11 to 12 ppm/K, so that a leg of 800 mm grows by 9 µm per kelvin and a base of 1.5 m radius by 18 µm.
 //! A temperature acts by its difference from the reference temperature of the mechanism file, or from the mean of
-//! its column. Confused with: each other and drifts, when all temperatures rise with time. More poses do not help then;
+//! its column. A part follows the sensor on it at once, or with a time constant of minutes to hours, which is scanned where
+//! times are recorded ([`ScanPoint::lag`]). Confused with: each other and drifts, when all temperatures rise with time. More poses do not help then;
 //! poses after cooling down do, or one part heated alone.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::{describe, of_legs, unrecorded};
+use super::{describe, each_alone, move_frame, of_legs, unrecorded};
 use crate::conditions::{TEMP_BASE, TEMP_LEG, TEMP_LEGS, TEMP_PLATFORM, of_leg};
-use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
+use crate::effect::{
+    ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site,
+};
 use crate::mechanism::Body;
 use crate::solve::svd;
 use crate::units::Dimension;
@@ -18,7 +21,7 @@ use crate::units::Dimension;
 const EXPANSION: f64 = 1e-5;
 
 fn expansion() -> Vec<EffectParameter> {
-    vec![EffectParameter::new("expansion", Dimension::PerKelvin, EXPANSION)]
+    vec![EffectParameter::new("expansion", Dimension::PerKelvin, EXPANSION).never_negative()]
 }
 
 /// Legs that are lengths; an angle does not grow.
@@ -47,6 +50,10 @@ impl Effect for ThermalLegsUniform {
         missing
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
@@ -55,8 +62,8 @@ impl Effect for ThermalLegsUniform {
         vec![TEMP_LEGS.into()]
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(t) = site.temperature(TEMP_LEGS) else { return };
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(t) = site.temperature_at(TEMP_LEGS, at) else { return };
         for (delta, length) in out.joints.iter_mut().zip(site.joints) {
             *delta += theta[0] * length * t;
         }
@@ -81,6 +88,10 @@ impl Effect for ThermalLegsIndividual {
         missing
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
@@ -89,9 +100,9 @@ impl Effect for ThermalLegsIndividual {
         of_legs(TEMP_LEG, at)
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         for (leg, (delta, length)) in out.joints.iter_mut().zip(site.joints).enumerate() {
-            if let Some(t) = site.temperature(&of_leg(TEMP_LEG, leg)) {
+            if let Some(t) = site.temperature_at(&of_leg(TEMP_LEG, leg), at) {
                 *delta += theta[0] * length * t;
             }
         }
@@ -114,8 +125,13 @@ impl Effect for ThermalLegSingle {
         ThermalLegsIndividual.missing(context, available)
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
-        expansion()
+        // Beside growth of all legs it is a difference.
+        vec![EffectParameter::new("expansion", Dimension::PerKelvin, EXPANSION)]
     }
 
     fn scan(&self, _setting: &EffectContext<'_>, _recorded: &AvailableData) -> Scan {
@@ -128,7 +144,7 @@ impl Effect for ThermalLegSingle {
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
         let Some(leg) = at.leg else { return };
-        if let Some(t) = site.temperature(&of_leg(TEMP_LEG, leg)) {
+        if let Some(t) = site.temperature_at(&of_leg(TEMP_LEG, leg), at) {
             out.joints[leg] += theta[0] * site.joints[leg] * t;
         }
     }
@@ -169,6 +185,10 @@ impl Effect for ThermalPlatform {
         body_missing(context, available, Body::Platform, TEMP_PLATFORM)
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
@@ -177,8 +197,8 @@ impl Effect for ThermalPlatform {
         vec![TEMP_PLATFORM.into()]
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some(t) = site.temperature(TEMP_PLATFORM) {
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some(t) = site.temperature_at(TEMP_PLATFORM, at) {
             grow(Body::Platform, site, out, |_| theta[0] * t);
         }
     }
@@ -199,6 +219,10 @@ impl Effect for ThermalBase {
         body_missing(context, available, Body::Base, TEMP_BASE)
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
@@ -207,8 +231,8 @@ impl Effect for ThermalBase {
         vec![TEMP_BASE.into()]
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some(t) = site.temperature(TEMP_BASE) {
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some(t) = site.temperature_at(TEMP_BASE, at) {
             grow(Body::Base, site, out, |_| theta[0] * t);
         }
     }
@@ -221,9 +245,9 @@ pub struct ThermalGradient;
 
 impl ThermalGradient {
     /// Temperature at the origin and its gradient, as least squares through the sensors of the base.
-    fn field(site: &Site<'_>) -> Option<(f64, Vector3<f64>)> {
+    fn field(site: &Site<'_>, at: &ScanPoint) -> Option<(f64, Vector3<f64>)> {
         let sensors = site.context.environment.sensors.iter().filter(|s| s.body == Body::Base);
-        let known: Vec<_> = sensors.filter_map(|s| Some((s.place, site.temperature(&s.covariate)?))).collect();
+        let known: Vec<_> = sensors.filter_map(|s| Some((s.place, site.temperature_at(&s.covariate, at)?))).collect();
         if known.len() < 3 {
             return None;
         }
@@ -259,6 +283,10 @@ impl Effect for ThermalGradient {
         missing
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
         expansion()
     }
@@ -267,11 +295,20 @@ impl Effect for ThermalGradient {
         Vec::new()
     }
 
-    fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        if let Some((mean, gradient)) = Self::field(site) {
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        if let Some((mean, gradient)) = Self::field(site, at) {
             grow(Body::Base, site, out, |place| theta[0] * (mean + 0.5 * gradient.dot(place)));
         }
     }
+}
+
+/// Three shifts and three turns per kelvin.
+fn rigid() -> Vec<EffectParameter> {
+    let of = |(k, name): (usize, &&str)| match k {
+        0..3 => EffectParameter::new(*name, Dimension::LengthPerKelvin, 1e-5),
+        _ => EffectParameter::new(*name, Dimension::AnglePerKelvin, 1e-5),
+    };
+    ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
 }
 
 /// In pose space, the six coordinates move in proportion to a temperature. Which temperature is tried out.
@@ -296,12 +333,16 @@ impl Effect for ThermalPose {
         missing
     }
 
+    fn may_lag(&self) -> bool {
+        true
+    }
+
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
-        let of = |(k, name): (usize, &&str)| match k {
-            0..3 => EffectParameter::new(*name, Dimension::LengthPerKelvin, 1e-5),
-            _ => EffectParameter::new(*name, Dimension::AnglePerKelvin, 1e-5),
-        };
-        ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
+        rigid()
+    }
+
+    fn often_alone(&self, _setting: &EffectContext<'_>) -> Vec<Vec<f64>> {
+        each_alone(6)
     }
 
     fn scan(&self, context: &EffectContext<'_>, available: &AvailableData) -> Scan {
@@ -313,9 +354,83 @@ impl Effect for ThermalPose {
     }
 
     fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature(c)) else { return };
+        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature_at(c, at)) else { return };
         for (delta, v) in out.joints.iter_mut().zip(theta) {
             *delta += v * t;
         }
+    }
+}
+
+/// The frame of the instrument follows a temperature: a rigid motion of the readings about the origin of the base, in
+/// proportion to it. Which temperature is tried out; those of the legs one by one are not, where their mean is known.
+/// A stand of steel of 1 m rises by 12 µm/K. Confused with: growth of all legs, of the base or of the platform, which move a
+/// platform near home nearly along one direction, in a small workspace beyond what any number of poses tells apart. The
+/// remedies differ: what only the instrument sees is not to be compensated.
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalFrame;
+
+impl ThermalFrame {
+    /// The temperatures that a frame may follow.
+    fn temperatures(context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let kinds = &context.environment.condition_kinds;
+        let mut names = available.temperatures(kinds);
+        let of_all_legs = (0..context.joints()).all(|leg| available.has(&of_leg(TEMP_LEG, leg)));
+        if of_all_legs || available.has(TEMP_LEGS) {
+            names.retain(|name| kinds.leg_of(name).is_none());
+            if !available.has(TEMP_LEGS) {
+                names.push(TEMP_LEGS.into());
+            }
+        }
+        names
+    }
+}
+
+impl Effect for ThermalFrame {
+    describe!(
+        "thermal.frame",
+        "the frame of the instrument moves with a temperature: its stand, or what carries the base, expands",
+        "measure reference points on the base as the temperature changes, or keep the stand of the instrument at one \
+         temperature; commands cannot correct what only the instrument sees"
+    );
+
+    fn acts_on(&self) -> ActsOn {
+        ActsOn::Measurement
+    }
+
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = Vec::new();
+        if context.is_pose_space() {
+            missing.push("joints other than the coordinates of the pose".into());
+        }
+        if Self::temperatures(context, available).is_empty() {
+            missing.push("a column temp_…".into());
+        }
+        missing
+    }
+
+    fn may_lag(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
+        rigid()
+    }
+
+    fn often_alone(&self, _setting: &EffectContext<'_>) -> Vec<Vec<f64>> {
+        each_alone(6)
+    }
+
+    fn scan(&self, context: &EffectContext<'_>, available: &AvailableData) -> Scan {
+        Scan::Covariates(Self::temperatures(context, available))
+    }
+
+    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
+        at.covariate.iter().cloned().collect()
+    }
+
+    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
+        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature_at(c, at)) else { return };
+        let part = |first: usize| Vector3::new(theta[first], theta[first + 1], theta[first + 2]) * t;
+        move_frame(part(0), part(3), site, out);
     }
 }

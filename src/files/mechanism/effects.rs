@@ -89,7 +89,8 @@ fn active(entry: &EffectEntry, context: &EffectContext<'_>, catalogue: &Catalogu
 
 /// Where in its scan an effect acts.
 fn place(entry: &EffectEntry, effect: &dyn Effect, context: &EffectContext<'_>) -> Result<ScanPoint, Trouble> {
-    let at = ScanPoint { leg: entry.leg.map(|leg| leg.wrapping_sub(1)), row: entry.row, covariate: entry.of.clone() };
+    let leg = entry.leg.map(|leg| leg.wrapping_sub(1));
+    let at = ScanPoint { leg, row: entry.row, covariate: entry.of.clone(), lag: entry.lag_s };
     let scan = effect.scan(context, &AvailableData::everything(context, effect, &at));
     let legs = context.joints();
     let choices = match &scan {
@@ -108,6 +109,12 @@ fn place(entry: &EffectEntry, effect: &dyn Effect, context: &EffectContext<'_>) 
         if stated && !needed {
             return Err(trouble(key, "does not apply to this effect; delete it"));
         }
+    }
+    if entry.lag_s.is_some() && !effect.may_lag() {
+        return Err(trouble("lag_s", "does not apply to this effect; delete it"));
+    }
+    if let Some(lag) = entry.lag_s.filter(|lag| !(*lag > 0.0 && lag.is_finite())) {
+        return Err(trouble("lag_s", format!("is {lag}; state a time above zero in s, or delete it for no lag")));
     }
     if at.leg.is_some_and(|leg| leg >= legs) {
         let leg = entry.leg.unwrap_or(0);
@@ -303,6 +310,7 @@ fn entry(active: &ActiveEffect, sigma: &[f64], context: &EffectContext<'_>) -> E
         leg: active.at.leg.map(|leg| leg + 1),
         row: active.at.row,
         of: active.at.covariate.clone(),
+        lag_s: active.at.lag,
         parameters: table(&active.values),
         sigma: table(sigma),
         range: active.range.clone(),

@@ -9,6 +9,7 @@ use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
 use crate::files::mechanism::sections::SensorEntry;
 use crate::mechanism::Body;
+use crate::pose::PoseConvention;
 use crate::units::{Dimension, Unit};
 
 /// The environment of a document, without the reference temperatures of its effects and without the joints at home.
@@ -16,6 +17,7 @@ pub(crate) fn environment(
     r: &Reader<'_>,
     document: &MechanismDocument,
     kinds: &ConditionTable,
+    convention: PoseConvention,
 ) -> Result<Environment, FileError> {
     let reference = document.reference_temperature;
     let platform = document.platform.as_ref();
@@ -33,6 +35,7 @@ pub(crate) fn environment(
     }
     Ok(Environment {
         condition_kinds: kinds.clone(),
+        convention,
         reference_temperature: reference.map(|v| r.finite("reference_temperature_degC", v)).transpose()?,
         references: BTreeMap::new(),
         mass: mass.map(|v| r.known("[platform] mass_kg", v)).transpose()?,

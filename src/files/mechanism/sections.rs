@@ -245,6 +245,8 @@ pub struct EffectEntry {
     pub row: Option<usize>,
     /// Covariate.
     pub of: Option<String>,
+    /// Time constant of the first-order lag with which its temperatures act, s; at once without it.
+    pub lag_s: Option<f64>,
     /// Value of each parameter, SI.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
@@ -274,7 +276,8 @@ pub struct OffsetSection {
 impl EffectEntry {
     /// Display name, such as `drift.leg[leg=3]`.
     pub fn label(&self) -> String {
-        let at = ScanPoint { leg: self.leg.map(|leg| leg.wrapping_sub(1)), row: self.row, covariate: self.of.clone() };
+        let leg = self.leg.map(|leg| leg.wrapping_sub(1));
+        let at = ScanPoint { leg, row: self.row, covariate: self.of.clone(), lag: self.lag_s };
         label(&self.name, &at)
     }
 }

@@ -172,6 +172,7 @@ impl EffectEntry {
         text += &line("leg", self.leg.map(|leg| leg.to_string()));
         text += &line("row", self.row.map(|row| row.to_string()));
         text += &line("of", self.of.as_ref().map(|of| quoted(of)));
+        text += &line("lag_s", self.lag_s.as_ref().map(single));
         text += &line("parameters", Some(inline(&self.parameters, single)));
         let stated = |text: String, any: bool| any.then_some(text);
         text += &line("sigma", stated(inline(&self.sigma, single), !self.sigma.is_empty()));

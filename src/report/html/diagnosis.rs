@@ -39,6 +39,13 @@ pub fn diagnosis(d: &Diagnosis, plans: &[MeasurementPlan], subject: &Subject<'_>
             tentative.join(", ")
         ));
     }
+    for c in d.causes.iter().filter(|c| !c.not_excluded.is_empty()) {
+        lead.push(format!(
+            "Not excluded beside {}: {}, which could not be tested because their sensors are missing.",
+            c.effect,
+            c.not_excluded.join(", ")
+        ));
+    }
     lead.extend(d.warnings.iter().cloned());
     if let Some(plan) = plans.first() {
         lead.push(format!("What to measure next: {}; `paracal settle` writes the poses.", plan.what));

@@ -73,7 +73,7 @@ fn cause(c: &Cause) -> Value {
         .iter()
         .map(|r| {
             json!({
-                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "behind": real(r.log_bayes_factor),
+                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "of": r.of, "lag_s": r.lag.map(real), "behind": real(r.log_bayes_factor),
                 "separability": real(r.separability),
             })
         })
@@ -85,11 +85,13 @@ fn cause(c: &Cause) -> Value {
         "acts_on": if c.acts_on == ActsOn::Mechanism { "mechanism" } else { "measurement" },
         "leg": c.leg.map(|leg| leg + 1),
         "of": c.of,
+        "lag_s": c.lag.map(real),
         "parameters": parameters,
         "p_value": real(c.p_value),
         "evidence": real(c.evidence),
         "tied_with": tied,
         "rivals": rivals,
+        "not_excluded": c.not_excluded,
         "size_over_limit": real(c.size_over_limit),
         "tentative": c.tentative,
         "plausible": c.plausible,

@@ -200,7 +200,9 @@ fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
 
 fn cause_text(d: &Diagnosis, c: &Cause) -> String {
     let place = c.row.map_or_else(String::new, |row| format!(" from data row {row} on"));
-    let of = c.of.as_ref().map_or_else(String::new, |of| format!(" ({of})"));
+    let lag = c.lag.map(|lag| format!("{} min behind", three_digits(lag / 60.0)));
+    let of: Vec<String> = c.of.iter().cloned().chain(lag).collect();
+    let of = if of.is_empty() { String::new() } else { format!(" ({})", of.join(", ")) };
     let mut text = format!("{}{of}{place}: {}\n", name_of(d, &c.effect, c.leg), c.cause);
     let rows: Vec<Vec<String>> = c
         .parameters
@@ -222,7 +224,7 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
         if c.tentative { " (tentative)" } else { "" },
         show_probability(c.p_value),
         three_digits(c.evidence),
-        if c.plausible { "" } else { "; the value is far outside the usual range" },
+        if c.plausible { "" } else { implausible(c) },
     );
     for r in &c.tied_with {
         text += &format!(
@@ -232,10 +234,26 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
             three_digits(r.separability)
         );
     }
+    if !c.not_excluded.is_empty() {
+        text += &format!(
+            "  not excluded either, because their sensors are missing: {}; the name is tentative\n",
+            c.not_excluded.join(", ")
+        );
+    }
     if c.acts_on == ActsOn::Measurement {
         text += "  it affects the readings, not the platform\n";
     }
     text + &format!("  what to do: {}\n", c.remedy)
+}
+
+/// Why the values of a cause are not plausible.
+fn implausible(c: &Cause) -> &'static str {
+    let large = c.parameters.iter().any(|p| p.value.abs() > 10.0 * p.scale);
+    if large {
+        "; the value is far outside the usual range"
+    } else {
+        "; nothing shrinks as it gets warmer: the value is not plausible, and something else may be behind it"
+    }
 }
 
 fn errors_text(d: &Diagnosis) -> String {

@@ -7,6 +7,7 @@ mod causes;
 mod commands;
 mod detection_limits;
 mod hidden_cases;
+mod instruments_and_lags;
 mod misread;
 #[cfg(feature = "cli")]
 mod nameless;

@@ -121,7 +121,7 @@ fn readings_per_parameter_are_those_of_the_instrument() {
     let sample = Sample { joints: joints.clone(), conditions: at.clone(), ..Sample::default() };
     let data = Dataset::new(vec![sample], Arc::new(model), Noise::stated(1e-6, 1e-6));
     let seen_only: Vec<EffectEntry> = entries(&plain).into_iter().filter(|e| !moves(e)).collect();
-    assert_eq!(seen_only.len(), 3);
+    assert_eq!(seen_only.len(), 7);
     for entry in seen_only {
         let machine = with_effects(&text, &[entry]);
         let effects = machine.instrument();

@@ -41,7 +41,10 @@ fn meaning(joints: &[String], c: &Cause) -> String {
     let from = c.row.map_or_else(String::new, |row| format!(" at data row {row}"));
     let [grow, less, longer] = if value < 0.0 { ["shrink", "less", shorter] } else { ["grow", "more", longer] };
     let told = Told { joints, c, value, size, part, grow, less, longer, from };
-    [thermal, scales, play_and_joints, loads, time].iter().find_map(|of| of(&told)).unwrap_or_else(|| own(c))
+    [thermal, scales, play_and_joints, loads, time, instrument, axes]
+        .iter()
+        .find_map(|of| of(&told))
+        .unwrap_or_else(|| own(c))
 }
 
 /// Growth with temperature.
@@ -73,6 +76,12 @@ fn thermal(told: &Told<'_>) -> Option<String> {
         ),
         "thermal.pose" => format!(
             "The pose moves with {} by {}: add it to the look-up table.",
+            c.of.as_deref().unwrap_or("a temperature"),
+            both(c)
+        ),
+        "thermal.frame" => format!(
+            "The frame of the instrument moves with {} by {}: measure reference points on the base as it changes, or keep the \
+             stand at one temperature; no command can correct it.",
             c.of.as_deref().unwrap_or("a temperature"),
             both(c)
         ),
@@ -199,6 +208,56 @@ fn time(told: &Told<'_>) -> Option<String> {
         ),
         "step.leg" => format!(
             "{part} jumped by {size}{from}, towards {longer}: tighten its coupling, home it, and split the file there."
+        ),
+        _ => return None,
+    })
+}
+
+/// What only the instrument reads wrongly.
+fn instrument(told: &Told<'_>) -> Option<String> {
+    let c = told.c;
+    let worst = c.parameters.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+    let (axis, size) = worst.map_or_else(Default::default, |p| {
+        let more = if p.value < 0.0 { "too short" } else { "too long" };
+        (p.name.clone(), format!("{} {more}", show_quantity(p.value.abs(), p.dimension)))
+    });
+    Some(match c.effect.as_str() {
+        "instrument.scale" => format!(
+            "The instrument reads positions along its axes with wrong scales, {axis} most of all, by {size}: check it against \
+             a known length, and its correction for the air; no command can correct it."
+        ),
+        "instrument.rotation_gain" => format!(
+            "The instrument reads angles with wrong factors, {axis} most of all, by {size}: check it against a known angle; \
+             no command can correct it."
+        ),
+        "instrument.skew" => format!(
+            "The axes of the instrument are not at right angles, by {}: square them, or measure a known body in several \
+             attitudes; no command can correct it.",
+            both(c)
+        ),
+        _ => return None,
+    })
+}
+
+/// Coordinates of a positioner.
+fn axes(told: &Told<'_>) -> Option<String> {
+    let Told { c, size, part, less, .. } = told;
+    Some(match c.effect.as_str() {
+        "axis.scale" => format!(
+            "{part} moves by {size} {less} than commanded: compare its scale and that of the instrument with a gauge, and \
+             enter the factor in the controller."
+        ),
+        "axis.cyclic" => format!(
+            "{part} wobbles with every turn of its screw, by ±{}: compensate the wave in the controller, or read the axis \
+             with a linear encoder.",
+            show_quantity(
+                c.parameters.iter().map(|p| p.value.powi(2)).sum::<f64>().sqrt(),
+                c.parameters.first().map_or(Dimension::Length, |p| p.dimension)
+            )
+        ),
+        "axis.backlash" => format!(
+            "{part} has a play of {size} where it turns round: approach every pose from the same side along it, or preload \
+             it."
         ),
         _ => return None,
     })
