@@ -16,6 +16,7 @@ use crate::diagnosis::question::{Question, TOLERANCES};
 use crate::diagnosis::search::agreement::stuck;
 use crate::diagnosis::search::iteration::Search;
 use crate::diagnosis::search::lags::with_lags;
+use crate::diagnosis::search::structure::still_gross;
 use crate::effect::Environment;
 use crate::identification::{
     CalibrationProblem, Conventions, ErrorSummary, Identifier, LevenbergMarquardt, Prior, PriorPolicy, Task, register,
@@ -65,13 +66,20 @@ fn explained(question: &Question<'_>) -> Result<Diagnosis, DiagnoseError> {
     let environment = Arc::new(question.environment.with_references_of(&data));
     let (subject, missing) = Hypotheses::new(mechanism, &data, environment, prior, &question.catalogue, &[]);
     let known = question.noise_known && data.noise.known;
-    let state = match (Search { subject: &subject, known }).reweighted() {
+    let mut search = Search { subject: &subject, known, left_out: None };
+    let mut state = match search.reweighted() {
         Err(error @ DiagnoseError::TooFewRows { .. }) => return Ok(undecided(&data, error.to_string())),
         state => state?,
     };
     let mut found = findings(question, &subject, &state, missing.clone(), &registration)?;
+    let unknown = found.unknown.as_ref();
+    if let Some(left_out) = unknown.and_then(|u| still_gross(&subject, &state, u).transpose()).transpose()? {
+        search.left_out = Some(left_out);
+        state = search.reweighted()?;
+        found = findings(question, &subject, &state, missing.clone(), &registration)?;
+    }
     let unknown = found.unknown.as_ref().is_some_and(may_be_late);
-    if let Some((subject, state)) = with_lags(&subject, &state, unknown, known, &question.catalogue)? {
+    if let Some((subject, state)) = with_lags(&search, &state, unknown, &question.catalogue)? {
         found = findings(question, &subject, &state, missing, &registration)?;
     }
     found.warnings.extend(gaps);

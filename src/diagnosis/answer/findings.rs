@@ -12,11 +12,11 @@ use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::question::Question;
-use crate::diagnosis::search::agreement::{exceeds_repeats, noise_exceeded};
-use crate::diagnosis::search::covariates::{coordinates_of_pose, covariates};
+use crate::diagnosis::search::agreement::{LackOfFit, noise_exceeded};
+use crate::diagnosis::search::covariates::{Covariate, covariates, everything};
 use crate::diagnosis::search::iteration::SearchState;
-use crate::diagnosis::search::remainder::{remainder, rival, worth_of};
-use crate::diagnosis::search::stepwise::TIED;
+use crate::diagnosis::search::remainder::{most_telling, remainder, rival, worth_of};
+use crate::diagnosis::search::stepwise::{LEVEL, TIED};
 use crate::identification::{ErrorSummary, Registration};
 use crate::units::{Dimension, three_digits};
 
@@ -52,7 +52,11 @@ pub(crate) fn findings(
     }
     let gains = if withdrawn { gains.without_causes() } else { gains };
     let (before, after) = [without, judged].map(|m| rms(m.table(), &m.residual, &kept)).into();
-    let undecided = undecided(&gains, &after, !causes.is_empty() || unknown.is_some());
+    let undecided = match causes.is_empty() && unknown.is_none() {
+        // What is left of rows that were fitted is smaller than the noise by the share of the parameters.
+        true => undecided(&gains, &after, (judged.kept.count() as f64 / (judged.noise.dof * judged.inflation)).sqrt()),
+        false => None,
+    };
     let step = judged.step();
     let specs = subject.mechanism.parameters().len();
     Ok(Diagnosis {
@@ -99,10 +103,7 @@ fn conclude(
 ) -> Result<Conclusion, DiagnoseError> {
     let (model, names) = (&state.model, state.names());
     let known = covariates(subject.data, &subject.environment.condition_kinds);
-    let mut everything = known.clone();
-    if !subject.is_pose_space() {
-        everything.extend(coordinates_of_pose(subject.mechanism, subject.data));
-    }
+    let everything = everything(subject);
     let mut causes = causes(subject, state, model, unseen)?;
     let mut unknown = remainder(model, &everything).filter(|u| !is_rounding(without, model, u.leg));
     let mut withdrawn = false;
@@ -130,8 +131,19 @@ fn conclude(
         withdrawn = true;
         unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
     }
-    if unknown.is_none() {
-        unknown = exceeds_repeats(model, subject.data);
+    if let Some(lack) = LackOfFit::of(model, subject.data, &subject.environment.condition_kinds) {
+        let nameless = || Unknown { size: Some(lack.times), ..Unknown::by(UnknownTest::Repeats, lack.p_value) };
+        // What comes again with the same commands and conditions does not depend on the time.
+        let is_timeless = |name: &str| name != TIME && name != "row";
+        let timeless: Vec<Covariate> = everything.into_iter().filter(|c| is_timeless(&c.name)).collect();
+        let found = unknown
+            .filter(|u| u.covariate.as_deref().is_none_or(is_timeless))
+            .or_else(|| most_telling(model, &timeless, lack.p_value))
+            .unwrap_or_else(nameless);
+        let by_chance = !withdrawn && !names.is_empty() && lack.chance_of(without, &subject.groups, names) > LEVEL;
+        let withdrawn_names = if by_chance { causes.drain(..).map(|c| c.effect).collect() } else { found.withdrawn };
+        withdrawn |= by_chance;
+        unknown = Some(Unknown { withdrawn: withdrawn_names, ..found });
     }
     if unknown.is_none() && causes.is_empty() && subject.data.noise.known {
         unknown = noise_exceeded(model, &state.spreads);
@@ -173,15 +185,12 @@ fn harms(causes: &[Cause], gains: &Gain) -> Option<UnknownTest> {
     }
 }
 
-/// Errors on rows that were not fitted this many times those of the fitted ones, and far above the stated noise, mean that the
+/// Errors on rows that were not fitted this many times the noise that the fitted ones show, or the stated one, mean that the
 /// rows hardly decide the parameters.
-const UNHELD: f64 = 10.0;
+const UNHELD: f64 = 3.0;
 
-/// Why the data cannot tell whether there is anything, if they cannot.
-fn undecided(gains: &Gain, left: &ErrorSummary, found: bool) -> Option<String> {
-    if found {
-        return None;
-    }
+/// Why the data cannot tell whether there is anything, if they cannot. The noise is `per_residual` times what is left.
+fn undecided(gains: &Gain, left: &ErrorSummary, per_residual: f64) -> Option<String> {
     let pairs = [(gains.position_before, left.position), (gains.rotation_before, left.rotation)];
     if pairs.iter().all(|(held_out, _)| held_out.is_none()) {
         return Some(
@@ -192,12 +201,12 @@ fn undecided(gains: &Gain, left: &ErrorSummary, found: bool) -> Option<String> {
     }
     let floors = [gains.noise_floor_position, gains.noise_floor_rotation];
     let far = pairs.iter().zip(floors).any(|((held_out, left), floor)| match (held_out, left) {
-        (Some(held_out), Some(left)) => *held_out > UNHELD * left.max(floor.unwrap_or(0.0)),
+        (Some(held_out), Some(left)) => *held_out > UNHELD * (left * per_residual).max(floor.unwrap_or(0.0)),
         _ => false,
     });
     far.then(|| {
-        "rows that were not fitted are missed by more than ten times what is left of the fitted ones: there are too few rows for \
-         so many parameters; measure more, and more varied, poses"
+        "rows that were not fitted are missed by more than three times the noise: there are too few rows for so many \
+         parameters; measure more, and more varied, poses"
             .into()
     })
 }

@@ -78,6 +78,18 @@ impl ScoreTest {
         values.component_div(&scale).iter().copied().collect()
     }
 
+    /// Scores (p × any number) along the directions that the data see, each in units of its length.
+    pub(crate) fn along_seen(&self, scores: &DMatrix<f64>) -> DMatrix<f64> {
+        let (eigen, scale) = self.normalized();
+        let seen: Vec<usize> = (0..scale.len()).filter(|k| eigen.eigenvalues[*k] > ABSORBED).collect();
+        let mut directions = eigen.eigenvectors.select_columns(&seen);
+        for (mut column, k) in directions.column_iter_mut().zip(&seen) {
+            column.component_div_assign(&scale);
+            column.unscale_mut(eigen.eigenvalues[*k].sqrt());
+        }
+        directions.tr_mul(scores)
+    }
+
     fn normalized(&self) -> (SymmetricEigen<f64, Dyn>, DVector<f64>) {
         let scale = self.raw.map(|v| if v > 0.0 { v.sqrt() } else { 1.0 });
         let mut s = self.s.clone();

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::answer::result::{Diagnosis, Misread};
+use crate::diagnosis::answer::result::{Diagnosis, Misread, Verdict};
 use crate::diagnosis::preflight::compare::{misread_as, near_misses};
 use crate::diagnosis::preflight::reading::Reading;
 use crate::diagnosis::preflight::trial::Trial;
@@ -15,6 +15,8 @@ use crate::measurement::{Dataset, MeasurementModel, Noise, PoseMeasurement};
 const ABOVE: f64 = 2.5;
 /// A reading must make what is left this many times smaller, and leave at most this many times the noise.
 const BETTER: f64 = 2.0;
+/// One of so many rows may be left out.
+const MOST_OUT: usize = 10;
 /// Readings for which effects are looked for.
 const MOST: usize = 7;
 
@@ -40,8 +42,10 @@ pub(crate) fn misread_beside_effects(
     let trial = Trial::new(question.mechanism, question.data, &question.convention)?;
     let tried = near_misses(&trial, MOST).into_iter().filter_map(|reading| {
         let data = read_otherwise(question, &trial, &reading)?;
-        let found = answer(&Question { data: &data, ..question.clone() })?;
-        Some((left(&found.after, noise), reading))
+        let other = answer(&Question { data: &data, ..question.clone() })?;
+        // Few rows are fitted by anything.
+        let fair = |d: &Diagnosis| d.outlier_rows.len() <= found.outlier_rows.len().max(d.samples / MOST_OUT);
+        (other.verdict != Verdict::Undecided && fair(&other)).then(|| (left(&other.after, noise), reading))
     });
     let mut tried: Vec<(f64, Reading)> = tried.collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -85,7 +85,8 @@ fn in_base(trial: &Trial<'_>, at_first: &Option<Score>) -> Vec<Scored> {
     let readings = InBase::new(trial);
     let mut found = fitted(trial, readings.singles(), at_first, false);
     let hopeless = at_first.as_ref().is_none_or(|s| s.value > HOPELESS);
-    if hopeless && !found.iter().any(|(_, s)| s.value < NOISE) {
+    // Three mistakes at once are no reason not to look for two.
+    if hopeless && !found.iter().any(|(r, s)| r.count() <= 2 && s.value < NOISE) {
         found.extend(fitted(trial, readings.pairs(), at_first, false));
     }
     found

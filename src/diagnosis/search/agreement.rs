@@ -5,11 +5,13 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::conditions::TIME;
+use crate::conditions::{ConditionKind, ConditionTable, TIME};
 use crate::diagnosis::answer::result::{Unknown, UnknownTest};
+use crate::diagnosis::linear::hypotheses::EffectColumns;
+use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::spreads::Spreads;
 use crate::diagnosis::linear::statistics::upper_f;
@@ -48,11 +50,79 @@ pub(crate) fn noise_exceeded(model: &Model, spreads: &Spreads) -> Option<Unknown
     (exceeds || is_other).then(|| Unknown { size: Some(size), ..Unknown::by(UnknownTest::Size, p) })
 }
 
-/// What is left beside the noise of repeated samples, if it is beyond chance; the size is their ratio.
-pub(crate) fn exceeds_repeats(model: &Model, data: &Dataset) -> Option<Unknown> {
+/// What is left beyond the noise of repeated samples.
+#[derive(Debug)]
+pub(crate) struct LackOfFit {
+    /// The probability of so much by chance.
+    pub(crate) p_value: f64,
+    /// Its root mean square over that of the noise.
+    pub(crate) times: f64,
+    /// Its variance in whitened rows, and the degrees of freedom of that.
+    variance: f64,
+    free: f64,
+    /// The samples that repeat each other, and those that repeat none.
+    groups: Vec<Vec<usize>>,
+}
+
+impl LackOfFit {
+    /// What is left beside the noise of repeated samples, if it is beyond chance. Where no commands come again with all
+    /// conditions, those that the catalogue does not know are let differ; what they do then counts as noise.
+    pub(crate) fn of(model: &Model, data: &Dataset, kinds: &ConditionTable) -> Option<Self> {
+        let all = |name: &str| name != TIME;
+        let known = |name: &str| name != TIME && kinds.of(name).is_some_and(ConditionKind::is_recorded);
+        let ((pure, free), groups) = [repeats(data, &all), repeats(data, &known)]
+            .into_iter()
+            .map(|groups| (pure_error(model, &groups), groups))
+            .find(|((_, free), _)| *free >= FEWEST_REPEATS)?;
+        let (lack, rest) = (model.noise.rss - pure, model.noise.dof - free);
+        if rest < FEWEST_REPEATS || !(pure > 0.0) {
+            return None;
+        }
+        let f = (lack / rest) / (pure / free);
+        let p_value = upper_f(f, rest, free);
+        (p_value < BEYOND_CHANCE).then(|| Self { p_value, times: f.sqrt(), variance: lack / rest, free: rest, groups })
+    }
+
+    /// The probability that what names explain beside the model `without` is chance, as samples that repeat each other do not
+    /// repeat it by chance: each group of them counts as one (Hotelling's T² of the scores of the groups). Where there are too
+    /// few groups, that of the gain if what is left were all noise.
+    pub(crate) fn chance_of(&self, without: &Model, groups: &[EffectColumns], names: &[Hypothesis]) -> f64 {
+        let asked = without.ask_all(groups, names);
+        let (gain, rank) = asked.gain();
+        let clusters = self.groups.len() as f64;
+        let p = rank as f64;
+        if rank == 0 {
+            return 1.0;
+        }
+        if clusters < p + FEWEST_REPEATS {
+            return upper_f(gain / p / self.variance, p, self.free);
+        }
+        let table = without.table();
+        let columns: Vec<DMatrix<f64>> =
+            names.iter().map(|name| without.projected(without.kept.columns(&name.block(groups, table)))).collect();
+        let width = columns.iter().map(DMatrix::ncols).sum();
+        let mut scores = DMatrix::zeros(width, self.groups.len());
+        for (mut score, group) in scores.column_iter_mut().zip(&self.groups) {
+            for (first, n) in group.iter().filter(|k| !without.kept.is_out(**k)).map(|k| table.rows[*k]) {
+                let all = columns.iter().flat_map(DMatrix::column_iter);
+                let residual = without.residual.rows(first, n);
+                score.iter_mut().zip(all).for_each(|(s, column)| *s += column.rows(first, n).dot(&residual));
+            }
+        }
+        let scores = asked.along_seen(&scores);
+        let sum = scores.column_sum();
+        let square = &scores * scores.transpose();
+        let Some(factor) = square.cholesky() else { return 1.0 };
+        let part = (sum.dot(&factor.solve(&sum)) / clusters).min(1.0 - 1e-15);
+        upper_f((clusters - p) / p * part / (1.0 - part), p, clusters - p)
+    }
+}
+
+/// The sum of squares of samples about the mean of those that they repeat, and its degrees of freedom.
+fn pure_error(model: &Model, groups: &[Vec<usize>]) -> (f64, f64) {
     let table = model.table();
     let (mut pure, mut free) = (0.0, 0.0);
-    for group in repeats(data).iter().filter(|group| group.len() > 1) {
+    for group in groups.iter().filter(|group| group.len() > 1) {
         let rows: Vec<DVector<f64>> = group
             .iter()
             .filter(|k| !model.kept.is_out(**k))
@@ -63,22 +133,14 @@ pub(crate) fn exceeds_repeats(model: &Model, data: &Dataset) -> Option<Unknown> 
         pure += rows.iter().map(|r| (r - &mean).norm_squared()).sum::<f64>();
         free += ((rows.len() - 1) * first.len()) as f64;
     }
-    let pure = pure / model.inflation;
-    let free = free / model.inflation;
-    let (lack, rest) = (model.noise.rss - pure, model.noise.dof - free);
-    if free < FEWEST_REPEATS || rest < FEWEST_REPEATS || !(pure > 0.0) {
-        return None;
-    }
-    let f = (lack / rest) / (pure / free);
-    let p = upper_f(f, rest, free);
-    (p < BEYOND_CHANCE).then(|| Unknown { size: Some(f.sqrt()), ..Unknown::by(UnknownTest::Repeats, p) })
+    (pure / model.inflation, free / model.inflation)
 }
 
-/// Samples of the same commands in the same conditions, time apart.
-fn repeats(data: &Dataset) -> Vec<Vec<usize>> {
+/// Samples of the same commands in the same conditions, of those that count.
+fn repeats(data: &Dataset, counts: &dyn Fn(&str) -> bool) -> Vec<Vec<usize>> {
     let values = |k: usize| -> Vec<f64> {
         let sample = data.sample(k);
-        let conditions = sample.conditions.covariates.iter().filter(|(name, _)| *name != TIME).map(|(_, v)| *v);
+        let conditions = sample.conditions.covariates.iter().filter(|(name, _)| counts(name)).map(|(_, v)| *v);
         sample.joints.iter().copied().chain(conditions).collect()
     };
     let all: Vec<Vec<f64>> = (0..data.len()).map(values).collect();

@@ -2,6 +2,7 @@
 
 use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::diagnosis::answer::result::COORDINATES;
+use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::measurement::Dataset;
 use crate::mechanism::{ForwardQuery, Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
@@ -72,9 +73,18 @@ pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariat
     all
 }
 
+/// The covariates, and the coordinates of the pose where these are not the joints.
+pub(crate) fn everything(subject: &Hypotheses<'_>) -> Vec<Covariate> {
+    let mut all = covariates(subject.data, &subject.environment.condition_kinds);
+    if !subject.is_pose_space() {
+        all.extend(coordinates_of_pose(subject.mechanism, subject.data));
+    }
+    all
+}
+
 /// Where the platform is commanded to be, as covariates of what depends on the pose; none that hardly changes, and none of a
 /// mechanism whose joints they are.
-pub(crate) fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covariate> {
+fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covariate> {
     let home = mechanism.home();
     let queries: Vec<ForwardQuery<'_>> =
         data.iter().map(|s| ForwardQuery::new(&s.joints, &s.conditions, home)).collect();

@@ -7,7 +7,8 @@ use nalgebra::DMatrix;
 use crate::diagnosis::answer::result::{Unknown, UnknownTest};
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::unit_motion::Place;
-use crate::diagnosis::search::unnamed::{Finding, legendre};
+use crate::diagnosis::search::covariates::Covariate;
+use crate::diagnosis::search::unnamed::{DEGREE, Finding, legendre};
 
 /// A finding as an answer, with its probability. The size is half the range of its course, or the height of a jump.
 pub(crate) fn unknown(model: &Model, found: &Finding<'_>, p_value: f64) -> Unknown {
@@ -33,33 +34,43 @@ pub(crate) fn unknown(model: &Model, found: &Finding<'_>, p_value: f64) -> Unkno
 
 /// The value of the covariate and what acts there, by sample and in the order of the covariate.
 fn course(model: &Model, found: &Finding<'_>) -> Vec<[f64; 2]> {
-    let values = &found.covariate.values;
-    let scaled = found.covariate.scaled();
-    let degree = found.rank.max(1);
-    let functions: Vec<Vec<f64>> = match found.test {
-        UnknownTest::Jump => {
-            let from = found.from.unwrap_or(f64::NAN);
-            values.iter().map(|v| vec![if *v > from { 1.0 } else { 0.0 }]).collect()
-        }
-        UnknownTest::Wave => {
-            let turn = found.period.map_or(f64::NAN, |period| 2.0 * PI / period);
-            values.iter().map(|v| vec![(turn * v).sin(), (turn * v).cos()]).collect()
-        }
-        _ => scaled.iter().map(|x| legendre(*x)[..degree.min(4)].to_vec()).collect(),
-    };
-    let width = functions.first().map_or(0, Vec::len);
-    if width == 0 {
-        return Vec::new();
-    }
-    let matrix = DMatrix::from_fn(functions.len(), width, |i, k| functions[i][k]);
+    let shape = Shape { test: found.test, from: found.from, period: found.period, degree: found.rank.max(1) };
+    let functions = shape.of(found.covariate);
     // A score is the step that takes the residual away; the residual is the model less the reading.
-    let steps = model.samples_at(found.place).ask(&matrix, width).first().map(|asked| asked.values());
-    let steps = steps.unwrap_or_default();
-    let mut course: Vec<[f64; 2]> = values
-        .iter()
-        .zip(&functions)
-        .map(|(value, f)| [*value, f.iter().zip(&steps).map(|(f, s)| f * s).sum()])
-        .collect();
+    let steps = model.samples_at(found.place).ask(&functions, functions.ncols()).first().map(|asked| asked.values());
+    let Some(steps) = steps else { return Vec::new() };
+    let acting = &functions * nalgebra::DVector::from_column_slice(steps.as_slice());
+    let mut course: Vec<[f64; 2]> = found.covariate.values.iter().zip(acting.iter()).map(|(v, a)| [*v, *a]).collect();
     course.sort_by(|a, b| a[0].total_cmp(&b[0]));
     course
+}
+
+/// How a nameless error depends on a covariate.
+pub(crate) struct Shape {
+    pub(crate) test: UnknownTest,
+    /// The value at a jump.
+    pub(crate) from: Option<f64>,
+    pub(crate) period: Option<f64>,
+    /// Of a polynomial.
+    pub(crate) degree: usize,
+}
+
+impl Shape {
+    /// Its functions of each sample (samples × functions): one for a jump, sine and cosine of a wave, polynomials.
+    pub(crate) fn of(&self, covariate: &Covariate) -> DMatrix<f64> {
+        let values = &covariate.values;
+        match (self.test, self.from, self.period) {
+            (UnknownTest::Jump, Some(from), _) => {
+                DMatrix::from_fn(values.len(), 1, |i, _| if values[i] > from { 1.0 } else { 0.0 })
+            }
+            (UnknownTest::Wave, _, Some(period)) => DMatrix::from_fn(values.len(), 2, |i, k| {
+                let (sine, cosine) = (2.0 * PI * values[i] / period).sin_cos();
+                [sine, cosine][k]
+            }),
+            _ => {
+                let scaled = covariate.scaled();
+                DMatrix::from_fn(values.len(), self.degree.min(DEGREE), |i, k| legendre(scaled[i])[k])
+            }
+        }
+    }
 }

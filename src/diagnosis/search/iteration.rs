@@ -26,10 +26,12 @@ const STEPS: usize = 8;
 const FEWEST: usize = 12;
 
 /// Runs the search on a subject.
-pub(crate) struct Search<'a> {
-    pub(crate) subject: &'a Hypotheses<'a>,
+pub(crate) struct Search<'s, 'a> {
+    pub(crate) subject: &'s Hypotheses<'a>,
     /// True if the noise is as stated.
     pub(crate) known: bool,
+    /// The samples that are left out, if that is decided already.
+    pub(crate) left_out: Option<Vec<usize>>,
 }
 
 /// Where the search ended.
@@ -71,18 +73,18 @@ struct Care {
     inflation: f64,
 }
 
-impl Search<'_> {
+impl Search<'_, '_> {
     /// The search with the rows weighted by their noise, again where outliers or correlated rows ask for it.
     pub(crate) fn with_spreads(&self, spreads: &Spreads) -> Result<SearchState, DiagnoseError> {
-        let mut care = Care { trim: true, inflation: 1.0 };
+        let mut care = Care { trim: self.left_out.is_none(), inflation: 1.0 };
         let mut state = self.explore(spreads, care)?;
         let samples = state.model.table().samples();
         let known = covariates(self.subject.data, &self.subject.environment.condition_kinds);
-        if left_out_by(&state.kept().left_out, &known).is_some() {
+        if care.trim && left_out_by(&state.kept().left_out, &known).is_some() {
             // Gross errors do not choose a condition.
             care.trim = false;
             state = self.explore(spreads, care)?;
-        } else if suspicious(&state.kept().left_out, samples) {
+        } else if care.trim && suspicious(&state.kept().left_out, samples) {
             let untrimmed = self.explore(spreads, Care { trim: false, ..care })?;
             if self.cost(&untrimmed, &state) < self.cost(&state, &untrimmed) {
                 state = untrimmed;
@@ -114,7 +116,8 @@ impl Search<'_> {
     fn explore(&self, spreads: &Spreads, care: Care) -> Result<SearchState, DiagnoseError> {
         let subject = self.subject;
         let start = Point { values: subject.mechanism.values().to_vec(), effects: Vec::new(), scale: 1.0 };
-        let mut left_out = if care.trim { self.gross(&start, spreads)? } else { Vec::new() };
+        let decided = || self.left_out.clone().unwrap_or_default();
+        let mut left_out = if care.trim { self.gross(&start, spreads)? } else { decided() };
         let kept: Vec<usize> = (0..subject.data.len()).filter(|k| left_out.binary_search(k).is_err()).collect();
         let mut point = subject.fit(&start, &kept)?;
         let mut names: Vec<Hypothesis> = Vec::new();

@@ -42,12 +42,12 @@ pub(crate) fn coarse(subject: &Hypotheses<'_>) -> Vec<f64> {
 
 /// A search with lags and its hypotheses, if it finds one. `unknown` is true if something was left that no name explains.
 pub(crate) fn with_lags<'a>(
-    subject: &Hypotheses<'a>,
+    search: &Search<'_, 'a>,
     state: &SearchState,
     unknown: bool,
-    known: bool,
     catalogue: &Catalogue,
 ) -> Result<Option<(Hypotheses<'a>, SearchState)>, DiagnoseError> {
+    let subject = search.subject;
     let coarse = coarse(subject);
     if coarse.is_empty() {
         return Ok(None);
@@ -63,7 +63,7 @@ pub(crate) fn with_lags<'a>(
         lags.sort_by(f64::total_cmp);
         lags.dedup();
         let asked = subject.with_lags(catalogue, &lags);
-        let found = Search { subject: &asked, known }.reweighted()?;
+        let found = Search { subject: &asked, known: search.known, left_out: search.left_out.clone() }.reweighted()?;
         let Some((effect, lag)) = lag_of(&asked, &found) else { break };
         let finer = refined(&asked, &found, (effect, lag))?;
         // Of a lag that is off, a second name takes the rest.

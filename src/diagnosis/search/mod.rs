@@ -11,4 +11,5 @@ pub(crate) mod outliers;
 pub(crate) mod remainder;
 pub(crate) mod reweighting;
 pub(crate) mod stepwise;
+pub(crate) mod structure;
 pub(crate) mod unnamed;

@@ -82,16 +82,8 @@ pub(crate) fn remainder(model: &Model, covariates: &[Covariate]) -> Option<Unkno
         return None;
     }
     let prepared = Prepared::all(covariates);
-    let mut families = [(Vec::new(), SMOOTH), (Vec::new(), WAVE), (Vec::new(), JUMP)];
-    let [(smooth, _), (wave, _), (jump, _)] = &mut families;
-    for place in model.table().places() {
-        let here = (place, &model.samples_at(place));
-        smooths(model, here, &prepared, smooth);
-        waves(model, here, &prepared, wave);
-        jumps(model, here, &prepared, jump);
-    }
     let mut findings = Vec::new();
-    for (family, level) in &families {
+    for (family, level) in &families(model, &prepared) {
         let tests = family.len().max(1) as f64;
         findings.extend(family.iter().filter_map(|f| Some((*f, f.significant(model, tests, *level)?.min(1.0)))));
     }
@@ -114,6 +106,27 @@ pub(crate) fn remainder(model: &Model, covariates: &[Covariate]) -> Option<Unkno
         }
     }
     None
+}
+
+/// The tests of every covariate at every place, each family with its level.
+fn families<'a>(model: &Model, prepared: &[Prepared<'a>]) -> [(Vec<Finding<'a>>, f64); 3] {
+    let mut families = [(Vec::new(), SMOOTH), (Vec::new(), WAVE), (Vec::new(), JUMP)];
+    let [(smooth, _), (wave, _), (jump, _)] = &mut families;
+    for place in model.table().places() {
+        let here = (place, &model.samples_at(place));
+        smooths(model, here, prepared, smooth);
+        waves(model, here, prepared, wave);
+        jumps(model, here, prepared, jump);
+    }
+    families
+}
+
+/// What describes best what is left, where it is known by other means that something is; with the probability of those.
+pub(crate) fn most_telling(model: &Model, covariates: &[Covariate], p_value: f64) -> Option<Unknown> {
+    let prepared = Prepared::all(covariates);
+    let all = families(model, &prepared).into_iter().flat_map(|(family, _)| family);
+    let best = all.max_by(|a, b| a.worth.total_cmp(&b.worth)).filter(|found| found.worth > 0.0)?;
+    Some(unknown(model, &best, p_value))
 }
 
 /// The unknown that explains more than all names together, if there is one: its worth beside no names against theirs.

@@ -22,7 +22,7 @@ enum DependsOn {
     Covariate,
 }
 
-impl Search<'_> {
+impl Search<'_, '_> {
     /// The search, with weights that agree with the residuals that it leaves.
     pub(crate) fn reweighted(&self) -> Result<SearchState, DiagnoseError> {
         let mut state = self.with_spreads(&Spreads::default())?;

@@ -175,17 +175,25 @@ fn where_it_is(d: &Diagnosis, u: &Unknown) -> String {
 /// A size as likely as this is no excess of the noise; its ratio is.
 const RATIO_ALONE: f64 = 1e-6;
 
+/// A value of a covariate with its unit, or a number of rows.
+fn shown(d: &Diagnosis, covariate: &str, value: f64) -> String {
+    match d.environment.condition_kinds.of(covariate) {
+        Some(kind) => kind.shown(value),
+        None if covariate == "row" => format!("{} rows", three_digits(value)),
+        None => three_digits(value),
+    }
+}
+
 fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
     let mut text = format!("unknown error{} (p {}", where_it_is(d, u), show_probability(u.p_value));
     if let Some(period) = u.period {
-        text += &format!(", repeats every {} in SI units", three_digits(period));
+        text += &format!(", repeats every {}", shown(d, u.covariate.as_deref().unwrap_or("row"), period));
     }
     text += ")\n";
     if let (Some(size), false) = (u.size, u.dimension == Dimension::None) {
         text += &format!("  it is {} large", show_quantity(size, u.dimension));
         if let Some((name, at)) = u.covariate.as_ref().zip(u.from) {
-            let shown = d.environment.condition_kinds.of(name).map_or_else(|| three_digits(at), |kind| kind.shown(at));
-            text += &format!(", from {name} = {shown} on");
+            text += &format!(", from {name} = {} on", shown(d, name, at));
         }
         text += "\n";
     }
@@ -193,7 +201,12 @@ fn unknown_text(d: &Diagnosis, u: &Unknown) -> String {
         text += &format!("  {other} explains nearly as much\n");
     }
     if !u.withdrawn.is_empty() {
-        text += &format!("  it explains more than {} together, so these are withdrawn\n", u.withdrawn.join(" and "));
+        let why = match u.test {
+            UnknownTest::Extrapolation => "with it rows that were not fitted would be missed by more",
+            UnknownTest::Misfit => "its value is of no use in a model that does not fit",
+            _ => "what is unknown explains more",
+        };
+        text += &format!("  withdrawn: {}, because {why}\n", u.withdrawn.join(" and "));
     }
     text
 }

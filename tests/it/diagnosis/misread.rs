@@ -364,9 +364,6 @@ fn found(machine: &Machine, kind: Kind, tracker: bool, mistake: &Mistake, rng: &
         table.seen(machine.home, kind == Kind::Pose, rng);
     }
     mistake.1(&mut table, rng);
-    if std::env::var("PARACAL_SHOW").is_ok() {
-        std::fs::write("/tmp/misread.toml", &table.file).unwrap();
-    }
     let data = match kind {
         Kind::Pose => table.as_poses(&mistake.2),
         Kind::Targets => table.as_points(&machine.targets, &mistake.2),

@@ -49,7 +49,7 @@ fn a_coordinate_that_follows_a_column_is_found_in_that_coordinate() {
         let table = with_column(null(number), column, &follows);
         let found = table.with(&cell, |row, v| format!("{:.9}", v + size * follows[row].powi(2))).diagnosed();
         let unknown = unknown(&found);
-        assert_eq!(unknown["covariate"], column.trim_end_matches("_A"), "{number}: {found}");
+        assert_eq!(unknown["covariate"], column, "{number}: {found}");
         assert_eq!((unknown["coordinate"].as_str(), unknown["leg"].as_u64()), (Some(coordinate), None), "{found}");
         // Half of the range of a parabola from 0 to `size`.
         let si = if k < 3 { 1e-3 } else { 1f64.to_radians() };
