@@ -10,6 +10,7 @@ use crate::diagnosis::preflight::in_base::{InBase, Screened};
 use crate::diagnosis::preflight::reading::Reading;
 use crate::diagnosis::preflight::table::SeenKind;
 use crate::diagnosis::preflight::trial::{Score, Trial};
+use crate::diagnosis::preflight::zeros::with_zeros;
 use crate::identification::Look;
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::Mechanism;
@@ -53,11 +54,7 @@ pub(crate) fn preflight(mechanism: &dyn Mechanism, data: &Dataset, convention: &
     }
     let as_stated = stated(&trial, &trial.all, Look::Second);
     let limit = as_stated.as_ref().map_or(f64::INFINITY, |s| s.value);
-    found.retain(|(reading, score)| {
-        score.value.max(FINE) * BETTER < limit
-            && trial.explains(reading, score)
-            && trial.is_commanded(reading, &score.frames)
-    });
+    found.retain(|(_, score)| score.value.max(FINE) * BETTER < limit);
     answer(&trial, found, as_stated.as_ref())
 }
 
@@ -101,7 +98,8 @@ fn fitted(trial: &Trial<'_>, screened: Vec<Screened>, at_first: &Option<Score>, 
     let limit = at_first.as_ref().map_or(f64::INFINITY, |s| s.value) * FIRST / BETTER;
     let mut found: Vec<Scored> = screened
         .into_iter()
-        .filter_map(|s| Some((score(&s.reading, &trial.few, Look::First)?, s.reading)))
+        .map(|s| if find { s.reading } else { with_zeros(trial, s.reading) })
+        .filter_map(|reading| Some((score(&reading, &trial.few, Look::First)?, reading)))
         .map(|(score, reading)| (reading, score))
         .filter(|(_, score)| score.value < limit)
         .collect();
@@ -111,6 +109,7 @@ fn fitted(trial: &Trial<'_>, screened: Vec<Screened>, at_first: &Option<Score>, 
         .into_iter()
         .filter_map(|(reading, _)| Some((score(&reading, &trial.all, Look::Second)?, reading)))
         .map(|(score, reading)| (reading, score))
+        .filter(|(reading, score)| trial.explains(reading, score) && trial.is_commanded(reading, &score.frames))
         .collect();
     found.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     found
@@ -121,7 +120,7 @@ fn fitted(trial: &Trial<'_>, screened: Vec<Screened>, at_first: &Option<Score>, 
 pub(crate) fn near_misses(trial: &Trial<'_>, most: usize) -> Vec<Reading> {
     let at_first = stated(trial, &trial.few, Look::First);
     let mut found = fitted(trial, InBase::new(trial).singles(), &at_first, false);
-    found.retain(|(reading, score)| reading.count() == 1 && trial.is_commanded(reading, &score.frames));
+    found.retain(|(reading, _)| reading.count() == 1);
     found.into_iter().map(|(reading, _)| reading).take(most).collect()
 }
 

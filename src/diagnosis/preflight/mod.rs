@@ -13,3 +13,4 @@ mod regression;
 mod table;
 mod trial;
 mod unit_factors;
+mod zeros;
