@@ -5,8 +5,10 @@
 //!
 //! Run with `cargo run --release --example examination`, which takes some minutes, or with
 //! `-- --only null --trials 1000 --seed 7 --verbose`. `--limits` prints the detection limits of the generator,
-//! `--noise-known` takes the stated noise at its word, `--keep FOLDER` leaves the files there. The same seed gives the same tables on any number of threads.
+//! `--grid` asks in all settings that differ from the reference in one respect, and in any (`--only` chooses them by words of
+//! their names); `--noise-known` takes the stated noise at its word, `--keep FOLDER` leaves the files there. The same seed gives the same tables on any number of threads.
 
+mod grid;
 #[path = "../../tests/it/common/hidden/mod.rs"]
 mod hidden;
 mod marks;
@@ -34,6 +36,7 @@ struct Options {
     only: Vec<String>,
     verbose: bool,
     limits: bool,
+    grid: bool,
     noise_known: bool,
     keep: Option<PathBuf>,
 }
@@ -46,6 +49,7 @@ impl Options {
             only: Vec::new(),
             verbose: false,
             limits: false,
+            grid: false,
             noise_known: false,
             keep: None,
         };
@@ -57,17 +61,18 @@ impl Options {
                 "--only" => options.only.extend(value()?.split(',').map(str::to_owned)),
                 "--verbose" => options.verbose = true,
                 "--limits" => options.limits = true,
+                "--grid" => options.grid = true,
                 "--keep" => options.keep = Some(value()?.into()),
                 "--noise-known" => options.noise_known = true,
                 _ => {
                     let keys: Vec<&str> = PAPERS.iter().map(|p| p.key).collect();
-                    let usage =
-                        "[--trials N] [--seed S] [--only ROW,…] [--verbose] [--limits] [--noise-known] [--keep FOLDER]";
+                    let usage = "[--trials N] [--seed S] [--only ROW,…] [--verbose] [--limits] [--grid] [--noise-known] [--keep FOLDER]";
                     return Err(format!("'{word}' is unknown; {usage}; rows: {}", keys.join(" ")).into());
                 }
             }
         }
-        if let Some(unknown) = options.only.iter().find(|key| PAPERS.iter().all(|p| p.key != **key)) {
+        let is_known = |key: &String| options.grid || PAPERS.iter().any(|p| p.key == *key);
+        if let Some(unknown) = options.only.iter().find(|key| !is_known(key)) {
             return Err(format!("there is no row '{unknown}'").into());
         }
         Ok(options)
@@ -85,6 +90,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let passing = tempfile::tempdir()?;
     let folder = options.keep.as_deref().unwrap_or(passing.path());
+    if options.grid {
+        return grid::examine(&options, folder);
+    }
     for paper in PAPERS.iter().filter(|paper| options.wants(paper)) {
         let answers = examine(paper, &options, folder)?;
         report(paper, &answers, options.verbose);

@@ -176,9 +176,9 @@ fn noise(answers: &[&Answer]) -> Vec<Mark> {
 /// The marks of a paper.
 pub(crate) fn marks(kind: Kind, answers: &[&Answer]) -> Vec<Mark> {
     match kind {
-        Kind::One(_) | Kind::WarmUp(_) => one(answers),
+        Kind::One(_) | Kind::WarmUp(_) | Kind::Instrument(_) => one(answers),
         Kind::OneWithOutliers(_) => [one(answers), outliers(answers)].concat(),
-        Kind::Two(_) => two(answers),
+        Kind::Two(_) | Kind::Three(_) => two(answers),
         Kind::Null | Kind::Outliers(_) => null(answers),
         Kind::Outside(_) => outside(answers),
         Kind::Misread => misread(answers),
@@ -191,14 +191,16 @@ pub(crate) fn wrong(kind: Kind, answer: &Answer) -> bool {
     let Ok(said) = &answer.said else { return true };
     let truth = &answer.truth;
     match kind {
-        Kind::One(_) | Kind::OneWithOutliers(_) | Kind::WarmUp(_) => {
+        Kind::One(_) | Kind::OneWithOutliers(_) | Kind::WarmUp(_) | Kind::Instrument(_) => {
             !first_right(truth, said)
                 || said.causes.len() > 1
                 || matches!(said.verdict, Verdict::Unknown | Verdict::Misread)
                 || size_right(truth, said) == Some(false)
                 || leg_right(truth, said) == Some(false)
         }
-        Kind::Two(_) => truth.effects.iter().any(|effect| said.cause(effect).is_none()) || said.causes.len() > 2,
+        Kind::Two(_) | Kind::Three(_) => {
+            truth.effects.iter().any(|effect| said.cause(effect).is_none()) || said.causes.len() > 2
+        }
         Kind::Null | Kind::Outliers(_) => alarmed(said) || said.outlier_rows != truth.outlier_rows,
         Kind::Outside(_) => {
             let covariate = said.unknown.as_ref().and_then(|(covariate, _)| covariate.as_ref());
@@ -211,4 +213,9 @@ pub(crate) fn wrong(kind: Kind, answer: &Answer) -> bool {
             !right || said.verdict != Verdict::Clean
         }
     }
+}
+
+/// A word for a kind, in names of folders.
+pub(crate) fn word(kind: Kind) -> String {
+    format!("{kind:?}").replace(['(', ')', '.'], "-").to_lowercase()
 }

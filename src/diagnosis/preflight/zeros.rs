@@ -55,7 +55,8 @@ fn step(
         other.joints.zero[*k] += by;
         moved.push(misses(trial, &other)?);
     }
-    let rows: Vec<usize> = (0..left.len()).filter(|i| left[*i].is_some() && moved.iter().all(|m| m[*i].is_some())).collect();
+    let rows: Vec<usize> =
+        (0..left.len()).filter(|i| left[*i].is_some() && moved.iter().all(|m| m[*i].is_some())).collect();
     let value = |of: &[Option<Vector3<f64>>], i: usize| of[rows[i / 3]].map_or(0.0, |v| v[i % 3]);
     let r = DVector::from_fn(3 * rows.len(), |i, _| value(left, i));
     let j = DMatrix::from_fn(r.len(), backward.len(), |i, k| (value(&moved[k], i) - value(left, i)) / by);

@@ -4,11 +4,12 @@ use rand::rngs::ChaCha8Rng;
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 
-use super::effects::{CATALOGUE, Influence, Known, Planted, Scan, measured, named};
-use super::hexapod::Geometry;
+use super::effects::{CATALOGUE, INSTRUMENTS, Influence, Known, Planted, Scan, measured, named};
+use super::hexapod::{Geometry, Pose};
 use super::limits::{Limits, NOISE};
 use super::mistakes::Mistake;
 use super::run::{Run, Weather, direction, normal};
+use super::setting::Setting;
 use super::text::{self, Sheet};
 use super::unlisted_effects::UnlistedEffect;
 
@@ -33,6 +34,10 @@ pub enum Kind {
     OneWithOutliers(f64),
     /// Two different effects.
     Two(f64),
+    /// Three of them.
+    Three(f64),
+    /// Something wrong with the readings.
+    Instrument(f64),
     /// One effect outside the catalogue.
     Outside(f64),
     /// One of five effects during a warm-up.
@@ -88,11 +93,15 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
         Kind::One(size) | Kind::OneWithOutliers(size) => {
             planted.push(plant(&CATALOGUE[number % CATALOGUE.len()], size, &Limits::of(&run)?, &run, &mut rng)?);
         }
-        Kind::Two(size) => {
+        Kind::Two(size) | Kind::Three(size) => {
             let limits = Limits::of(&run)?;
-            for which in sample(&mut rng, CATALOGUE.len(), 2) {
+            let count = if matches!(kind, Kind::Two(_)) { 2 } else { 3 };
+            for which in sample(&mut rng, CATALOGUE.len(), count) {
                 planted.push(plant(&CATALOGUE[which], size, &limits, &run, &mut rng)?);
             }
+        }
+        Kind::Instrument(size) => {
+            planted.push(plant(&INSTRUMENTS[number % INSTRUMENTS.len()], size, &Limits::of(&run)?, &run, &mut rng)?);
         }
         Kind::WarmUp(size) => {
             let known = named(WARM_UP_CAUSES[number % WARM_UP_CAUSES.len()])?;
@@ -149,6 +158,56 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
     Some(Case { mechanism: text::mechanism(), data: sheet.csv(), truth })
 }
 
+/// Case `number` of a kind in a setting.
+pub fn draw_in(setting: &Setting, kind: Kind, seed: u64, number: usize) -> Option<Case> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream((stream(kind) << 32) | number as u64);
+    let run = setting.run(&mut rng);
+    let errors: [f64; 42] = std::array::from_fn(|_| run.stage.design.error * normal(&mut rng));
+    let machine = run.stage.design.geometry.changed(&errors);
+    let recorded: Vec<&Known> = CATALOGUE.iter().filter(|known| setting.records(known)).collect();
+    let (names, size): (Vec<&Known>, f64) = match kind {
+        Kind::One(size) | Kind::OneWithOutliers(size) => (vec![recorded[number % recorded.len()]], size),
+        Kind::Instrument(size) => (vec![&INSTRUMENTS[number % INSTRUMENTS.len()]], size),
+        Kind::Two(size) => (sample(&mut rng, recorded.len(), 2).into_iter().map(|k| recorded[k]).collect(), size),
+        Kind::Three(size) => (sample(&mut rng, recorded.len(), 3).into_iter().map(|k| recorded[k]).collect(), size),
+        _ => (Vec::new(), 0.0),
+    };
+    let limits = if names.is_empty() { None } else { Some(Limits::of(&run)?) };
+    let size = size * setting.loudness();
+    let plants = names.iter().filter_map(|known| Some(plant(known, size, limits.as_ref()?, &run, &mut rng)));
+    let planted = plants.collect::<Option<Vec<Planted>>>()?;
+    let influences: Vec<&dyn Influence> = planted.iter().map(|p| p as &dyn Influence).collect();
+    let poses = measured(&machine, &run, &influences)?;
+    let mut seen: Vec<Vec<f64>> = poses.iter().map(|q| run.stage.seen(&Pose::of(*q))).collect();
+    let sigma = run.stage.noise();
+    setting.add_noise(&sigma, &mut seen, &mut rng);
+    let mut truth = Truth::default();
+    if let Kind::OneWithOutliers(_) = kind {
+        truth.outlier_rows = gross(&mut seen, &sigma, &mut rng);
+    }
+    for p in &planted {
+        truth.effects.push(p.name.to_owned());
+        truth.legs.push(p.leg.map(|leg| leg + 1));
+        truth.rows.push(p.row);
+        truth.parameters.push(p.theta.clone());
+    }
+    Some(Case { mechanism: setting.mechanism(&run), data: setting.csv(&run, &seen, &mut rng), truth })
+}
+
+/// Five per cent of the rows, moved by 8 to 60 σ.
+fn gross(seen: &mut [Vec<f64>], sigma: &[f64], rng: &mut ChaCha8Rng) -> Vec<usize> {
+    let n = seen.len();
+    let mut hit = sample(rng, n, (0.05 * n as f64).round() as usize).into_vec();
+    hit.sort_unstable();
+    for k in &hit {
+        let size = rng.random_range(8.0..60.0);
+        let along = direction(sigma.len(), rng);
+        seen[*k].iter_mut().zip(sigma).zip(along).for_each(|((v, s), d)| *v += size * s * d);
+    }
+    hit
+}
+
 /// Random numbers of different kinds have nothing to do with each other.
 fn stream(kind: Kind) -> u64 {
     let (number, size) = match kind {
@@ -161,6 +220,8 @@ fn stream(kind: Kind) -> u64 {
         Kind::WarmUp(size) => (7, size),
         Kind::Misread => (8, 0.0),
         Kind::Noise(factor) => (9, factor),
+        Kind::Three(size) => (10, size),
+        Kind::Instrument(size) => (11, size),
     };
     100_000 * number + (1000.0 * size) as u64
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-use super::hexapod::{Disturbance, Geometry, HOME_LENGTH, Pose, State};
+use super::hexapod::{Disturbance, Geometry, Pose, State};
 use super::run::Run;
 
 /// Mass of the platform, kg, its centre and that of the load, m in the platform frame; pitch of the screws, m.
@@ -81,9 +81,17 @@ pub const CATALOGUE: [Known; 19] = [
     known("step.leg", &[1e-5], Scan::LegAndRow),
 ];
 
+/// What is wrong with the readings and not with the machine.
+pub const INSTRUMENTS: [Known; 4] = [
+    known("thermal.frame", &[1e-6; 6], Scan::None),
+    known("instrument.scale", &[1e-3; 3], Scan::None),
+    known("instrument.rotation_gain", &[3e-4; 3], Scan::None),
+    known("instrument.skew", &[3e-4; 3], Scan::None),
+];
+
 /// The entry of a name.
 pub fn named(name: &str) -> Option<Known> {
-    CATALOGUE.into_iter().find(|known| known.name == name)
+    CATALOGUE.into_iter().chain(INSTRUMENTS).find(|known| known.name == name)
 }
 
 /// An effect with values, at a leg (from 0) and a row if it has them.
@@ -99,6 +107,21 @@ impl Planted {
     fn rigid(&self, by: f64) -> (Vector3<f64>, Vector3<f64>) {
         let t = &self.theta;
         (Vector3::new(t[0], t[1], t[2]) * by, Vector3::new(t[3], t[4], t[5]) * by)
+    }
+
+    /// The pose that an instrument with wrong factors reads.
+    fn misread(&self, pose: Pose) -> Pose {
+        let (t, mut q) = (&self.theta, pose.coordinates());
+        match self.name {
+            "instrument.scale" => (0..3).for_each(|k| q[k] *= 1.0 + t[k]),
+            "instrument.rotation_gain" => (0..3).for_each(|k| q[3 + k] *= 1.0 + t[k]),
+            "instrument.skew" => {
+                q[0] += t[0] * q[1] + t[1] * q[2];
+                q[1] += t[2] * q[2];
+            }
+            _ => return pose,
+        }
+        Pose::of(q)
     }
 
     /// 0 before the row of a step, 1 from it on.
@@ -125,7 +148,7 @@ impl Influence for Planted {
     fn disturb(&self, at: &At<'_>, state: &State, out: &mut Disturbance) {
         let (row, theta) = (&at.run.rows[at.k], &self.theta);
         let warmth: [f64; 6] = std::array::from_fn(|i| row.temp_legs[i] - at.run.mean_of_legs[i]);
-        let travel = |i: usize| row.commanded[i] - HOME_LENGTH;
+        let travel = |i: usize| row.commanded[i] - at.run.stage.design.lengths[i];
         let mut legs = |of: &dyn Fn(usize) -> f64| (0..6).for_each(|i| out.leg[i] += of(i));
         let only = |i: usize| if self.leg == Some(i) { theta[0] } else { 0.0 };
         match self.name {
@@ -184,7 +207,8 @@ impl Influence for Planted {
             }
             "drift.frame" => self.rigid(at.run.elapsed(at.k)),
             "step.frame" => self.rigid(self.after(at.k)),
-            _ => return pose,
+            "thermal.frame" => self.rigid(at.run.rows[at.k].temp_base - at.run.mean_of_base),
+            _ => return self.misread(pose),
         };
         pose.carried(shift, turn)
     }
@@ -197,7 +221,7 @@ pub fn sign(v: f64) -> f64 {
 
 /// Noise-free measured coordinates of every row.
 pub fn measured(machine: &Geometry, run: &Run, influences: &[&dyn Influence]) -> Option<Vec<[f64; 6]>> {
-    let home = machine.home()?;
+    let home = run.stage.home_of(machine)?;
     let rest = machine.state(home).along;
     let mut near = home;
     (0..run.len())

@@ -4,11 +4,11 @@
 //! prior of 1 mm, is projected off; `λ = θᵀ S θ` is what remains of an effect. Its limit is the λ at which a χ² test at
 //! the family-wise level, shared out over the catalogue and over the scan, finds it 95 times of 100.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Discrete, Poisson};
 
 use super::effects::{CATALOGUE, Influence, Known, Planted, Scan, measured};
-use super::hexapod::Geometry;
+use super::hexapod::Pose;
 use super::run::Run;
 
 /// Noise of one measured coordinate, m and rad.
@@ -18,6 +18,8 @@ const LEVEL: f64 = 0.004;
 const POWER: f64 = 0.95;
 /// Prior of a parameter of the machine, m.
 const PRIOR: f64 = 1e-3;
+/// Errors of the reference machine, m.
+const ERROR: f64 = 0.5e-3;
 /// Step of the differences, m: its square over a metre is far below a nanometre.
 const STEP: f64 = 1e-5;
 
@@ -31,25 +33,47 @@ pub struct Limits<'a> {
 
 impl<'a> Limits<'a> {
     pub fn of(run: &'a Run) -> Option<Self> {
-        let nominal = Geometry::nominal();
-        let undisturbed = measured(&nominal, run, &[])?;
-        let rows = 6 * run.len();
-        let mut columns = DMatrix::zeros(rows + 42, 42);
+        let nominal = &run.stage.design.geometry;
+        let undisturbed = measured(nominal, run, &[])?;
+        let rows = run.stage.noise().len() * run.len();
+        let frames = if run.stage.frames.is_some() { 12 } else { 0 };
+        let prior = PRIOR * run.stage.design.error / ERROR;
+        let mut columns = DMatrix::zeros(rows + 42, 42 + frames);
         for j in 0..42 {
             let mut by = [0.0; 42];
             by[j] = STEP;
             let moved = measured(&nominal.changed(&by), run, &[])?;
-            columns.view_mut((0, j), (rows, 1)).copy_from(&whitened(&moved, &undisturbed, PRIOR / STEP));
+            columns.view_mut((0, j), (rows, 1)).copy_from(&whitened(run, &moved, &undisturbed, prior / STEP));
             columns[(rows + j, j)] = 1.0;
         }
-        let absorbed = columns.qr().q();
+        // A small motion of the tracker and one of the target on the platform.
+        for j in 0..frames {
+            let along = |first: usize| Vector3::from_fn(|i, _| if j % 6 == first + i { STEP } else { 0.0 });
+            let carried = |q: &[f64; 6]| {
+                let pose = Pose::of(*q);
+                let moved = match j < 6 {
+                    true => pose.carried(along(0), along(3)),
+                    false => Pose { t: pose.t + pose.r * along(0), r: pose.r * Rotation3::new(along(3)).into_inner() },
+                };
+                moved.coordinates()
+            };
+            let moved: Vec<[f64; 6]> = undisturbed.iter().map(carried).collect();
+            let column = whitened(run, &moved, &undisturbed, 1.0 / STEP);
+            columns.view_mut((0, 42 + j), (rows, 1)).copy_from(&column);
+        }
+        let absorbed = match frames {
+            0 => columns.qr().q(),
+            // Points do not see how the target turns.
+            _ => seen_directions(columns),
+        };
         Some(Self { run, undisturbed, absorbed })
     }
 
     /// The whitened change that an influence makes, times `factor`, without what the 42 take up.
     fn column(&self, influence: &dyn Influence, factor: f64) -> Option<DVector<f64>> {
-        let moved = measured(&Geometry::nominal(), self.run, &[influence])?;
-        let change = whitened(&moved, &self.undisturbed, factor).resize_vertically(self.absorbed.nrows(), 0.0);
+        let moved = measured(&self.run.stage.design.geometry, self.run, &[influence])?;
+        let change =
+            whitened(self.run, &moved, &self.undisturbed, factor).resize_vertically(self.absorbed.nrows(), 0.0);
         let taken = &self.absorbed * self.absorbed.tr_mul(&change);
         Some(change - taken)
     }
@@ -95,12 +119,27 @@ impl<'a> Limits<'a> {
     }
 }
 
-fn whitened(moved: &[[f64; 6]], from: &[[f64; 6]], factor: f64) -> DVector<f64> {
-    let values = moved
-        .iter()
-        .zip(from)
-        .flat_map(|(m, f)| (0..6).map(move |k| factor * (m[k] - f[k]) / NOISE[usize::from(k >= 3)]));
-    DVector::from_iterator(6 * moved.len(), values)
+/// What the instrument sees of a change, in units of the noise.
+fn whitened(run: &Run, moved: &[[f64; 6]], from: &[[f64; 6]], factor: f64) -> DVector<f64> {
+    let noise = run.stage.noise();
+    let values = moved.iter().zip(from).flat_map(|(m, f)| {
+        let (m, f) = (run.stage.seen(&Pose::of(*m)), run.stage.seen(&Pose::of(*f)));
+        noise.iter().zip(m.iter().zip(&f)).map(|(noise, (m, f))| factor * (m - f) / noise).collect::<Vec<f64>>()
+    });
+    DVector::from_iterator(noise.len() * moved.len(), values)
+}
+
+/// An orthonormal basis of what columns span.
+fn seen_directions(mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    for mut column in columns.column_iter_mut() {
+        let norm = column.norm();
+        if norm > 0.0 {
+            column.unscale_mut(norm);
+        }
+    }
+    let svd = columns.svd(true, false);
+    let count = svd.singular_values.iter().filter(|s| **s > 1e-9).count();
+    svd.u.map_or_else(|| DMatrix::zeros(0, 0), |u| u.columns(0, count).into_owned())
 }
 
 /// The non-centrality λ at which χ² with `p` degrees of freedom passes its critical value with the wanted power.

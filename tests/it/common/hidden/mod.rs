@@ -14,5 +14,7 @@ pub mod hexapod;
 pub mod limits;
 pub mod mistakes;
 pub mod run;
+pub mod setting;
+pub mod stage;
 pub mod text;
 pub mod unlisted_effects;

@@ -10,7 +10,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::hexapod::{Geometry, HOME_LENGTH, Pose};
+use super::hexapod::Pose;
+use super::stage::Stage;
 
 /// Standard gravity of the file format, m/s².
 const G: f64 = 9.81;
@@ -52,6 +53,7 @@ pub struct Run {
     pub mean_of_legs: [f64; 6],
     pub mean_of_platform: f64,
     pub mean_of_base: f64,
+    pub stage: Stage,
 }
 
 /// How conditions go through a run.
@@ -59,23 +61,31 @@ pub struct Run {
 pub enum Weather {
     Reference,
     WarmUp,
+    /// One night: the air cools, legs follow at once and bodies late.
+    Night,
 }
 
 impl Run {
     /// A run of `n` rows in ±10 mm and ±0.5° about home.
     pub fn draw<R: Rng + ?Sized>(n: usize, weather: Weather, rng: &mut R) -> Self {
-        let nominal = Geometry::nominal();
-        let home = nominal.home().map_or([0.0; 6], |p| p.coordinates());
+        Self::draw_on(Stage::reference(), n, weather, rng)
+    }
+
+    /// A run of `n` rows about the home of another machine.
+    pub fn draw_on<R: Rng + ?Sized>(stage: Stage, n: usize, weather: Weather, rng: &mut R) -> Self {
+        let design = &stage.design;
+        let home = design.home.coordinates();
         let temperatures = match weather {
             Weather::Reference => diurnal(n, rng),
             Weather::WarmUp => warm_up(n, rng),
+            Weather::Night => night(n, rng),
         };
-        let mut before = [HOME_LENGTH; 6];
+        let mut before = design.lengths;
         let mut rows = Vec::with_capacity(n);
         for (k, temperature) in temperatures.iter().enumerate() {
-            let half = |j: usize| if j < 3 { 0.010 } else { 0.5_f64.to_radians() };
+            let half = |j: usize| design.half[usize::from(j >= 3)];
             let q = std::array::from_fn(|j| home[j] + half(j) * rng.random_range(-1.0..1.0));
-            let commanded = nominal.lengths(&Pose::of(q));
+            let commanded = design.geometry.lengths(&Pose::of(q));
             rows.push(Row {
                 time: DURATION * share(k, n),
                 commanded,
@@ -89,7 +99,7 @@ impl Run {
             });
             before = commanded;
         }
-        Self::of(rows)
+        Self { stage, ..Self::of(rows) }
     }
 
     /// A run of these rows.
@@ -98,7 +108,7 @@ impl Run {
         let mean = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / n as f64;
         let mean_of_legs = std::array::from_fn(|i| mean(&|row| row.temp_legs[i]));
         let (mean_of_platform, mean_of_base) = (mean(&|row| row.temp_platform), mean(&|row| row.temp_base));
-        Self { rows, mean_of_legs, mean_of_platform, mean_of_base }
+        Self { rows, mean_of_legs, mean_of_platform, mean_of_base, stage: Stage::reference() }
     }
 
     pub fn len(&self) -> usize {
@@ -141,6 +151,16 @@ fn warm_up<R: Rng + ?Sized>(n: usize, rng: &mut R) -> Temperatures {
     let level = 18.0 + 0.5 * normal(rng);
     let wander: Vec<Vec<f64>> = (0..8).map(|_| wandering(n, 0.03, WANDER.1, rng)).collect();
     (0..n).map(|k| std::array::from_fn(|body| level + 4.0 * share(k, n) + wander[body][k])).collect()
+}
+
+/// 6 K down, fast at first; legs at once, platform and base with lags of their own, and each body with a little wander.
+fn night<R: Rng + ?Sized>(n: usize, rng: &mut R) -> Temperatures {
+    let level = 15.0 + 2.0 * normal(rng);
+    let rates = [2.5, rng.random_range(0.9..1.6), rng.random_range(0.4..0.8)];
+    let wander: Vec<Vec<f64>> = (0..8).map(|_| wandering(n, 0.3, WANDER.1, rng)).collect();
+    let cooled = |k: usize, rate: f64| -6.0 * (1.0 - (-rate * share(k, n)).exp());
+    let rate_of = |body: usize| if body < 6 { rates[0] } else { rates[body - 5] };
+    (0..n).map(|k| std::array::from_fn(|body| level + cooled(k, rate_of(body)) + wander[body][k])).collect()
 }
 
 /// A stationary walk that forgets over some rows.
