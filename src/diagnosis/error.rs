@@ -11,7 +11,7 @@ use crate::mechanism::GeometryError;
 pub enum DiagnoseError {
     /// The data leave nothing to look at after the kinematic parameters.
     #[error(
-        "{samples} samples give {rows} equations, which leaves {free:.0} degrees of freedom after the parameters; at least \
+        "{samples} samples give {rows} equations, which leaves {free:.0} for the noise beside the parameters; at least \
          {needed} are needed to look for causes: measure more, and more varied, poses"
     )]
     TooFewRows {

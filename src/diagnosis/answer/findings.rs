@@ -172,8 +172,11 @@ fn harms(causes: &[Cause], gains: &Gain) -> Option<UnknownTest> {
     let absurd = |c: &Cause| c.parameters.iter().any(|p| p.value.abs() > ABSURD * p.scale);
     let worse =
         |before: Option<f64>, after: Option<f64>| matches!((before, after), (Some(b), Some(a)) if a > WORSE * b);
-    let in_blocks = worse(gains.blocked_position_before, gains.blocked_position_after)
-        || worse(gains.blocked_rotation_before, gains.blocked_rotation_after);
+    // Without the block before it a step is not seen at all.
+    let steps = causes.iter().any(|c| c.row.is_some());
+    let in_blocks = !steps
+        && (worse(gains.blocked_position_before, gains.blocked_position_after)
+            || worse(gains.blocked_rotation_before, gains.blocked_rotation_after));
     let at_random =
         worse(gains.position_before, gains.position_after) || worse(gains.rotation_before, gains.rotation_after);
     if causes.is_empty() {
@@ -224,8 +227,9 @@ fn verdict(causes: &[Cause], unknown: Option<&Unknown>, undecided: Option<&Strin
 /// What the user should know of noise and tolerances.
 fn warnings(subject: &Hypotheses<'_>, state: &SearchState, unknown: Option<&Unknown>) -> Vec<String> {
     let mut warnings = Vec::new();
-    // What no name explains changes the ratio too.
-    if let (Some([position, rotation]), None) = (state.spreads.kinds, unknown) {
+    // What depends on something changes the ratio too.
+    let is_noise = unknown.is_none_or(|u| u.kind() == "noise");
+    if let Some([position, rotation]) = state.spreads.kinds.filter(|_| is_noise) {
         warnings.push(format!(
             "the ratio of position noise to rotation noise is {} times the stated one; rows are weighted by the \
              estimated noise",
