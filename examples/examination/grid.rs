@@ -84,9 +84,7 @@ fn is_right(kind: Kind, answer: &Answer) -> bool {
 
 /// A name or a structure where nothing is; that the noise is not as stated is no alarm.
 fn is_alarm(said: &Said) -> bool {
-    !said.causes.is_empty()
-        || said.reading.is_some()
-        || said.unknown.as_ref().is_some_and(|(covariate, _)| covariate.is_some())
+    !said.causes.is_empty() || said.reading.is_some() || said.unknown.as_ref().is_some_and(|u| u.covariate.is_some())
 }
 
 /// Names without the truth, of which none is tied with it, and nothing said to be unknown.

@@ -3,7 +3,7 @@
 use paracal::diagnosis::Verdict;
 
 use crate::hidden::cases::{Kind, Truth};
-use crate::said::{Answer, Said, size};
+use crate::said::{Answer, Nameless, Said, size};
 use crate::table::Rate;
 
 /// A named rate.
@@ -123,31 +123,81 @@ fn two(answers: &[&Answer]) -> Vec<Mark> {
     ]
 }
 
-/// The marks for an effect outside the catalogue.
+/// Whether one of the accepted words was said.
+fn among(accepted: &[String], said: Option<&str>) -> bool {
+    said.is_some_and(|said| accepted.iter().any(|word| word == said))
+}
+
+/// Whether a place was said for a stranger that is right, or none for one that has none.
+fn place_right(truth: &Truth, place: &Nameless) -> bool {
+    let (covariate, coordinate) = (place.covariate.as_deref(), place.coordinate);
+    let leg = truth.legs.first().copied().flatten();
+    let nowhere = covariate.is_none() && coordinate.is_none() && place.leg.is_none();
+    let has_none = truth.covariates.is_empty() && truth.coordinates.is_empty();
+    among(&truth.covariates, covariate)
+        || among(&truth.coordinates, coordinate)
+        || (leg.is_some() && place.leg == leg)
+        || (nowhere && has_none)
+}
+
+/// Whether a covariate was said for a stranger that has others.
+fn strayed(truth: &Truth, said: &Said) -> bool {
+    let covariate = said.unknown.as_ref().and_then(|place| place.covariate.as_deref());
+    covariate.is_some() && !truth.covariates.is_empty() && !among(&truth.covariates, covariate)
+}
+
+/// Whether a leg or a coordinate was said that is not the stranger's.
+fn misplaced(truth: &Truth, said: &Said) -> bool {
+    said.unknown.as_ref().is_some_and(|place| {
+        let leg = truth.legs.first().copied().flatten();
+        (place.leg.is_some() && place.leg != leg)
+            || (place.coordinate.is_some() && !among(&truth.coordinates, place.coordinate))
+    })
+}
+
+/// Whether a name was said, or tied, that is physically right for a stranger.
+fn also_right(truth: &Truth, said: &Said) -> bool {
+    truth.also.iter().any(|effect| said.mentions(effect))
+}
+
+/// Whether a stranger was said to be unknown at a place of its own, or got a name that is right as well.
+fn honest(truth: &Truth, said: &Said) -> bool {
+    match said.verdict {
+        Verdict::Unknown => also_right(truth, said) || said.unknown.as_ref().is_some_and(|u| place_right(truth, u)),
+        Verdict::Named | Verdict::Tied => also_right(truth, said),
+        Verdict::Clean | Verdict::Undecided | Verdict::Misread => false,
+    }
+}
+
+/// The marks for an effect outside the catalogue. The first six exclude each other and are all that can be; the
+/// others are of answers that say unknown.
 pub(crate) fn outside(answers: &[&Answer]) -> Vec<Mark> {
+    let verdict = |wanted: Verdict| rate(answers, move |_, s| Some(s.verdict == wanted));
+    let elsewhere = |t: &Truth, s: &Said| Some(s.verdict == Verdict::Unknown && !honest(t, s));
+    let false_name = |t: &Truth, s: &Said| Some(matches!(s.verdict, Verdict::Named | Verdict::Tied) && !honest(t, s));
     let covariate = |t: &Truth, s: &Said| {
-        let wanted = (!t.covariates.is_empty()).then_some(&t.covariates)?;
-        let said = s.unknown.as_ref().and_then(|(covariate, _)| covariate.as_ref());
-        Some(said.is_some_and(|covariate| wanted.contains(covariate)))
+        let said = s.unknown.as_ref().filter(|_| !t.covariates.is_empty())?;
+        Some(among(&t.covariates, said.covariate.as_deref()))
     };
     let leg = |t: &Truth, s: &Said| {
-        let leg = t.legs.first().copied().flatten()?;
-        Some(s.unknown.as_ref().is_some_and(|(_, said)| *said == Some(leg)))
+        let (leg, said) = (t.legs.first().copied().flatten()?, s.unknown.as_ref()?);
+        Some(said.leg == Some(leg))
+    };
+    let coordinate = |t: &Truth, s: &Said| {
+        let said = s.unknown.as_ref().filter(|_| !t.coordinates.is_empty())?;
+        Some(among(&t.coordinates, said.coordinate))
     };
     vec![
-        ("flagged unknown".into(), rate(answers, |_, s| Some(s.verdict == Verdict::Unknown))),
-        (
-            "  where it has a covariate".into(),
-            rate(answers, |t, s| (!t.covariates.is_empty()).then_some(s.verdict == Verdict::Unknown)),
-        ),
-        ("covariate right".into(), rate(answers, covariate)),
-        ("leg right".into(), rate(answers, leg)),
-        (
-            "false name, not flagged".into(),
-            rate(answers, |_, s| Some(matches!(s.verdict, Verdict::Named | Verdict::Tied))),
-        ),
-        ("missed".into(), rate(answers, |_, s| Some(s.verdict == Verdict::Clean))),
-        ("called misread".into(), rate(answers, |_, s| Some(s.verdict == Verdict::Misread))),
+        ("honest".into(), rate(answers, |t, s| Some(honest(t, s)))),
+        ("unknown, elsewhere".into(), rate(answers, elsewhere)),
+        ("false name, not flagged".into(), rate(answers, false_name)),
+        ("missed".into(), verdict(Verdict::Clean)),
+        ("undecided".into(), verdict(Verdict::Undecided)),
+        ("called misread".into(), verdict(Verdict::Misread)),
+        ("covariate right, if unknown".into(), rate(answers, covariate)),
+        ("leg right, if unknown".into(), rate(answers, leg)),
+        ("coordinate right, if unknown".into(), rate(answers, coordinate)),
+        ("wrong place, if unknown".into(), rate(answers, |t, s| s.unknown.as_ref().map(|_| misplaced(t, s)))),
     ]
 }
 
@@ -202,11 +252,7 @@ pub(crate) fn wrong(kind: Kind, answer: &Answer) -> bool {
             truth.effects.iter().any(|effect| said.cause(effect).is_none()) || said.causes.len() > 2
         }
         Kind::Null | Kind::Outliers(_) => alarmed(said) || said.outlier_rows != truth.outlier_rows,
-        Kind::Outside(_) => {
-            let covariate = said.unknown.as_ref().and_then(|(covariate, _)| covariate.as_ref());
-            said.verdict != Verdict::Unknown
-                || (!truth.covariates.is_empty() && covariate.is_none_or(|c| !truth.covariates.contains(c)))
-        }
+        Kind::Outside(_) => !honest(truth, said) || strayed(truth, said) || misplaced(truth, said),
         Kind::Misread => !reading_right(truth, said),
         Kind::Noise(_) => {
             let right = said.noise_varies.as_ref().is_some_and(|c| truth.covariates.contains(c));

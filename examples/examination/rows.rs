@@ -16,7 +16,7 @@ const fn paper(key: &'static str, title: &'static str, kind: Kind, extra: bool) 
     Paper { key, title, kind, extra }
 }
 
-pub(crate) const PAPERS: [Paper; 14] = [
+pub(crate) const PAPERS: [Paper; 16] = [
     paper("one", "one effect, 3 x its detection limit", Kind::One(3.0), false),
     paper("tenfold", "one effect, 10 x its detection limit", Kind::One(10.0), false),
     paper("one-outliers", "one effect, 3 x its limit, with 5 % outliers", Kind::OneWithOutliers(3.0), false),
@@ -24,6 +24,13 @@ pub(crate) const PAPERS: [Paper; 14] = [
     paper("null", "no effect", Kind::Null, false),
     paper("outliers", "no effect, 5 % outliers of 8 to 60 sigma", Kind::Outliers(0.05), false),
     paper("outside", "an effect outside the catalogue, 3 x the limit of four parameters", Kind::Outside(3.0), false),
+    paper("outside-6x", "an effect outside the catalogue, 6 x the limit of four parameters", Kind::Outside(6.0), false),
+    paper(
+        "instrument",
+        "a frame that follows a temperature, or wrong readings, 6 x the limit",
+        Kind::Instrument(6.0),
+        false,
+    ),
     paper("warm-up", "time and temperatures rise together, 3 x the limit", Kind::WarmUp(3.0), false),
     paper("misread", "a file that is read wrongly", Kind::Misread, false),
     paper("noise", "no effect, sigma grows by a factor 3", Kind::Noise(3.0), false),

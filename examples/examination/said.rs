@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use paracal::diagnosis::{Diagnosis, Question, Verdict, diagnose};
+use paracal::diagnosis::{COORDINATES, Diagnosis, Question, Unknown, Verdict, diagnose};
 use paracal::files::{Machine, read_measurement};
 
 use crate::hidden::cases::{Case, Truth};
@@ -21,14 +21,21 @@ pub(crate) struct Named {
     pub(crate) evidence: f64,
 }
 
+/// What was said about something that no name explains.
+pub(crate) struct Nameless {
+    pub(crate) covariate: Option<String>,
+    /// From 1.
+    pub(crate) leg: Option<usize>,
+    pub(crate) coordinate: Option<&'static str>,
+    /// Which test found it, and the names that it made withdraw.
+    detail: String,
+}
+
 /// What was said about a case, as far as it is scored.
 pub(crate) struct Said {
     pub(crate) verdict: Verdict,
     pub(crate) causes: Vec<Named>,
-    /// Covariate and leg (from 1).
-    pub(crate) unknown: Option<(Option<String>, Option<usize>)>,
-    /// Which test found it, and the names that it made withdraw.
-    detail: String,
+    pub(crate) unknown: Option<Nameless>,
     pub(crate) reading: Option<(String, String)>,
     pub(crate) outlier_rows: Vec<usize>,
     pub(crate) noise_varies: Option<String>,
@@ -63,6 +70,26 @@ fn answer(case: &Case, folder: &Path, noise_known: bool) -> Result<Said, Box<dyn
     Ok(Said::of(&diagnosis))
 }
 
+impl Nameless {
+    fn of(unknown: &Unknown) -> Self {
+        let test = format!("by {} p {:.0e}", unknown.test.word(), unknown.p_value);
+        let withdrawn = unknown.withdrawn.join(" nor ");
+        Self {
+            covariate: unknown.covariate.clone(),
+            leg: unknown.leg.map(|leg| leg + 1),
+            coordinate: unknown.coordinate.and_then(|k| COORDINATES.get(k).copied()),
+            detail: if withdrawn.is_empty() { test } else { format!("{test}, not {withdrawn}") },
+        }
+    }
+
+    fn text(&self) -> String {
+        let covariate = self.covariate.as_deref().unwrap_or("nothing");
+        let leg = self.leg.map_or(String::new(), |leg| format!(" leg {leg}"));
+        let coordinate = self.coordinate.map_or(String::new(), |coordinate| format!(" in {coordinate}"));
+        format!("unknown over {covariate}{leg}{coordinate} {}", self.detail)
+    }
+}
+
 impl Said {
     fn of(diagnosis: &Diagnosis) -> Self {
         let causes = diagnosis.causes.iter().map(|cause| Named {
@@ -77,11 +104,7 @@ impl Said {
         Self {
             verdict: diagnosis.verdict,
             causes: causes.collect(),
-            unknown: diagnosis.unknown.as_ref().map(|u| (u.covariate.clone(), u.leg.map(|leg| leg + 1))),
-            detail: diagnosis.unknown.as_ref().map_or_else(String::new, |u| {
-                let test = format!(" by {} p {:.0e}", u.test.word(), u.p_value);
-                if u.withdrawn.is_empty() { test } else { format!("{test}, not {}", u.withdrawn.join(" nor ")) }
-            }),
+            unknown: diagnosis.unknown.as_ref().map(Nameless::of),
             reading: diagnosis.misread.as_ref().map(|m| (m.reading.clone(), m.detail.clone())),
             outlier_rows: diagnosis.outlier_rows.iter().map(|row| row.0).collect(),
             noise_varies: diagnosis.noise_varies.as_ref().map(|n| n.covariate.clone()),
@@ -108,14 +131,7 @@ impl Said {
             format!("{}{}{row} ({:.1}){ties}", c.effect, place(c.leg), c.evidence)
         };
         let mut parts: Vec<String> = self.causes.iter().map(cause).collect();
-        if let Some((covariate, leg)) = &self.unknown {
-            parts.push(format!(
-                "unknown over {}{}{}",
-                covariate.as_deref().unwrap_or("nothing"),
-                place(*leg),
-                self.detail
-            ));
-        }
+        parts.extend(self.unknown.iter().map(Nameless::text));
         parts.extend(self.reading.iter().map(|(reading, detail)| format!("misread {reading} {detail}")));
         parts.extend(self.noise_varies.iter().map(|covariate| format!("noise over {covariate}")));
         if !self.outlier_rows.is_empty() {
@@ -145,6 +161,12 @@ pub(crate) fn hidden_text(truth: &Truth) -> String {
     }
     if !truth.covariates.is_empty() {
         parts.push(format!("[{}]", truth.covariates.join(" or ")));
+    }
+    if !truth.coordinates.is_empty() {
+        parts.push(format!("in {}", truth.coordinates.join(" or ")));
+    }
+    if !truth.also.is_empty() {
+        parts.push(format!("also {}", truth.also.join(" or ")));
     }
     if !truth.outlier_rows.is_empty() {
         parts.push(format!("{} outliers", truth.outlier_rows.len()));

@@ -124,7 +124,8 @@ fn conclude(
     if let Some(test) = harms(&causes, gains).filter(|_| !withdrawn) {
         let names = causes.drain(..).map(|c| c.effect).collect();
         withdrawn = true;
-        unknown = Some(Unknown { withdrawn: names, ..Unknown::by(test, 0.0) });
+        let found = remainder(without, &everything).unwrap_or_else(|| Unknown::by(test, 0.0));
+        unknown = Some(Unknown { withdrawn: names, ..found });
     }
     if subject.data.noise.known && is_hopeless(subject, if withdrawn { without } else { model }) {
         let names = causes.drain(..).map(|c| c.effect).collect();

@@ -3,6 +3,7 @@
 use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::diagnosis::answer::result::COORDINATES;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
+use crate::diagnosis::linear::unit_motion::Place;
 use crate::measurement::Dataset;
 use crate::mechanism::{ForwardQuery, Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
@@ -11,14 +12,24 @@ use crate::pose::{Pose, PoseConvention};
 #[derive(Clone, Debug)]
 pub(crate) struct Covariate {
     pub(crate) name: String,
-    /// The leg that it belongs to; `None` if it concerns all.
-    pub(crate) leg: Option<usize>,
+    /// The only place that it concerns: what belongs to a leg acts there alone. `None` if it concerns all.
+    pub(crate) own: Option<Place>,
     pub(crate) values: Vec<f64>,
-    /// True if waves in it are looked for.
-    pub(crate) waves: bool,
-    /// True for a coordinate of the pose: only what is of first and second order in it is looked for.
-    pub(crate) of_pose: bool,
+    pub(crate) asked: Asked,
 }
+
+/// What is looked for in a covariate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Asked {
+    /// Degree of the polynomial; 0 for none.
+    pub(crate) degree: usize,
+    pub(crate) waves: bool,
+    pub(crate) jumps: bool,
+}
+
+/// Degree of the polynomial in what was recorded, and in a coordinate of the pose.
+pub(crate) const DEGREE: usize = 4;
+const DEGREE_IN_POSE: usize = 2;
 
 impl Covariate {
     pub(crate) fn range(&self) -> (f64, f64) {
@@ -38,7 +49,8 @@ pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariat
     let mut add = |name: String, leg: Option<usize>, waves: bool, get: &dyn Fn(usize) -> Option<f64>| {
         let values: Option<Vec<f64>> = (0..data.len()).map(get).collect();
         if let Some(values) = values {
-            let covariate = Covariate { name, leg, values, waves, of_pose: false };
+            let asked = Asked { degree: DEGREE, waves, jumps: true };
+            let covariate = Covariate { name, own: leg.map(Place::Joint), values, asked };
             let (low, high) = covariate.range();
             if high - low > 1e-9 * low.abs().max(high.abs()) {
                 all.push(covariate);
@@ -83,7 +95,7 @@ pub(crate) fn everything(subject: &Hypotheses<'_>) -> Vec<Covariate> {
 }
 
 /// Where the platform is commanded to be, as covariates of what depends on the pose; none that hardly changes, and none of a
-/// mechanism whose joints they are.
+/// mechanism whose joints they are. Of a coordinate alone its instrument may err periodically in it, and by the way that it came.
 fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covariate> {
     let home = mechanism.home();
     let queries: Vec<ForwardQuery<'_>> =
@@ -93,18 +105,30 @@ fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covaria
     let convention = PoseConvention::default();
     let seen: Vec<[f64; 6]> = poses.iter().map(|pose| convention.coordinates(pose)).collect();
     let sizes = [characteristic_length(mechanism), 1.0];
-    (0..6)
-        .map(|k| Covariate {
-            name: COORDINATES[k].into(),
-            leg: None,
-            values: seen.iter().map(|q| q[k]).collect(),
-            waves: false,
-            of_pose: true,
-        })
-        .enumerate()
-        .filter(|(k, c)| c.range().1 - c.range().0 > MOVES * sizes[k / 3])
-        .map(|(_, covariate)| covariate)
-        .collect()
+    let of = |k: usize| {
+        let values: Vec<f64> = seen.iter().map(|q| q[k]).collect();
+        // The first row came from home, as far as is known.
+        let home = convention.coordinates(&home)[k];
+        let before = std::iter::once(home).chain(values.iter().copied());
+        let travel: Vec<f64> = values.iter().zip(before).map(|(now, before)| now - before).collect();
+        let asked = |degree: usize, waves: bool, jumps: bool| Asked { degree, waves, jumps };
+        let (name, own) = (COORDINATES[k].to_owned(), Some(Place::Coordinate(k)));
+        [
+            Covariate {
+                name: name.clone(),
+                own: None,
+                values: values.clone(),
+                asked: asked(DEGREE_IN_POSE, false, false),
+            },
+            Covariate { name: name.clone(), own, values, asked: asked(0, true, false) },
+            Covariate { name: format!("travel_{name}"), own, values: travel, asked: asked(0, false, true) },
+        ]
+    };
+    let moves = |k: &usize| {
+        let values = || seen.iter().map(|q| q[*k]);
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min) > MOVES * sizes[k / 3]
+    };
+    (0..6).filter(moves).flat_map(of).collect()
 }
 
 /// Part of the size of the platform (or of a radian) by which a coordinate must change.

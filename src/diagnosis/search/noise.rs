@@ -19,7 +19,7 @@ pub(crate) fn noise_varies(
     kept: &[usize],
 ) -> Option<(NoiseVaries, Vec<f64>)> {
     let mut best: Option<(f64, NoiseVaries, Vec<f64>)> = None;
-    let tested: Vec<&Covariate> = covariates.iter().filter(|c| c.leg.is_none()).collect();
+    let tested: Vec<&Covariate> = covariates.iter().filter(|c| c.own.is_none()).collect();
     for covariate in &tested {
         let x = covariate.scaled();
         let points: Vec<(f64, f64)> = kept

@@ -8,7 +8,7 @@ use crate::diagnosis::answer::result::UnknownTest;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::place_functions::PlaceSamples;
 use crate::diagnosis::linear::unit_motion::Place;
-use crate::diagnosis::search::covariates::Covariate;
+use crate::diagnosis::search::covariates::{Covariate, DEGREE};
 
 /// Samples on either side of a jump.
 const FEW: usize = 3;
@@ -18,9 +18,6 @@ const MOST_WAVES: usize = 512;
 /// Waves that are multiplied at once, and samples: what stays in the cache of a core.
 const WAVES_AT_ONCE: usize = 32;
 const SAMPLES_AT_ONCE: usize = 256;
-/// Degree of the polynomial, and of that in a coordinate of the pose.
-pub(crate) const DEGREE: usize = 4;
-const DEGREE_IN_POSE: usize = 2;
 
 /// One finding of a smooth, a jump or a wave.
 #[derive(Clone, Copy, Debug)]
@@ -88,11 +85,7 @@ impl<'a> Prepared<'a> {
 
     /// True if the covariate may act at a place: what belongs to a leg acts there alone.
     fn concerns(&self, place: Place) -> bool {
-        self.covariate.leg.is_none_or(|leg| place == Place::Joint(leg))
-    }
-
-    fn degree(&self) -> usize {
-        if self.covariate.of_pose { DEGREE_IN_POSE } else { DEGREE }
+        self.covariate.own.is_none_or(|own| place == own)
     }
 }
 
@@ -108,9 +101,9 @@ pub(crate) fn smooths<'a>(
     covariates: &[Prepared<'a>],
     found: &mut Vec<Finding<'a>>,
 ) {
-    for degree in [DEGREE, DEGREE_IN_POSE] {
+    for degree in (1..=DEGREE).rev() {
         let mine: Vec<&Prepared<'a>> =
-            covariates.iter().filter(|c| c.concerns(place) && c.degree() == degree).collect();
+            covariates.iter().filter(|c| c.concerns(place) && c.covariate.asked.degree == degree).collect();
         let mut functions = DMatrix::zeros(model.table().samples(), degree * mine.len());
         for (m, covariate) in mine.iter().enumerate() {
             for (row, x) in covariate.scaled.iter().enumerate() {
@@ -136,7 +129,7 @@ pub(crate) fn jumps<'a>(
     found: &mut Vec<Finding<'a>>,
 ) {
     let samples = model.table().samples();
-    for c in covariates.iter().filter(|c| c.concerns(place) && !c.covariate.of_pose) {
+    for c in covariates.iter().filter(|c| c.concerns(place) && c.covariate.asked.jumps) {
         let values = &c.covariate.values;
         for (at, gain) in here.gains_from(&c.order).into_iter().enumerate().skip(FEW) {
             // Equal values stay together, and a few samples at either end are outliers and no step.
@@ -163,7 +156,7 @@ pub(crate) fn waves<'a>(
 ) {
     let samples = model.table().samples();
     let count = samples.saturating_sub(2).min(MOST_WAVES);
-    for c in covariates.iter().filter(|c| c.covariate.waves && c.concerns(place)) {
+    for c in covariates.iter().filter(|c| c.covariate.asked.waves && c.concerns(place)) {
         let mut sums = here.pairs(count);
         for (part, x) in c.scaled.chunks(SAMPLES_AT_ONCE).enumerate() {
             // Half a cycle more turns the phase by the same angle each time.

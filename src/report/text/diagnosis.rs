@@ -179,6 +179,10 @@ const RATIO_ALONE: f64 = 1e-6;
 fn shown(d: &Diagnosis, covariate: &str, value: f64) -> String {
     match d.environment.condition_kinds.of(covariate) {
         Some(kind) => kind.shown(value),
+        None if COORDINATES.contains(&covariate) => {
+            let length = COORDINATES[..3].contains(&covariate);
+            show_quantity(value, if length { Dimension::Length } else { Dimension::Angle })
+        }
         None if covariate == "row" => format!("{} rows", three_digits(value)),
         None => three_digits(value),
     }

@@ -12,7 +12,7 @@ use crate::common::hidden::mistakes::FORMS;
 use crate::common::hidden::run::{Row, Run, Weather, normal};
 use crate::common::hidden::text::Sheet;
 use crate::common::hidden::unlisted_effects;
-use paracal::diagnosis::{Cause, Diagnosis, JointResiduals, MeasurementPlan, Verdict, settle};
+use paracal::diagnosis::{COORDINATES, Cause, Diagnosis, JointResiduals, MeasurementPlan, Verdict, settle};
 use paracal::measurement::DataRow;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -169,7 +169,8 @@ fn gross_errors_are_found_and_no_good_row() {
 
 #[test]
 fn what_no_catalogue_lists_is_unknown_over_the_right_covariate() {
-    examine(Kind::Outside(5.0), 0..unlisted_effects::NAMES.len(), |truth, found| {
+    // Errors of a leg that depend on one recorded thing: the covariate and the leg must both be right.
+    examine(Kind::Outside(5.0), 0..9, |truth, found| {
         let Some(unknown) = &found.unknown else { return vec!["not unknown".into()] };
         // A leg whose length is uncertain depends on nothing, and a wave may fit it by chance.
         let covariate = truth.covariates.is_empty()
@@ -177,6 +178,21 @@ fn what_no_catalogue_lists_is_unknown_over_the_right_covariate() {
         let leg = truth.legs[0].is_none() || unknown.leg.map(|leg| leg + 1) == truth.legs[0];
         let verdict = found.verdict == Verdict::Unknown;
         [unless(verdict, "verdict"), unless(covariate, "covariate"), unless(leg, "leg")].concat()
+    });
+}
+
+#[test]
+fn what_acts_on_frames_instruments_and_loads_is_unknown_where_it_acts_or_has_a_related_name() {
+    examine(Kind::Outside(6.0), 9..unlisted_effects::NAMES.len(), |truth, found| {
+        let names = found.causes.iter().flat_map(|c| c.tied_with.iter().map(|r| &r.effect).chain([&c.effect]));
+        if names.clone().any(|name| truth.also.contains(name)) {
+            return Vec::new();
+        }
+        let Some(unknown) = &found.unknown else { return vec!["not unknown".into()] };
+        let covariate = unknown.covariate.as_ref().is_some_and(|covariate| truth.covariates.contains(covariate));
+        let coordinate = unknown.coordinate.is_some_and(|k| truth.coordinates.iter().any(|c| c == COORDINATES[k]));
+        let leg = unknown.leg.is_some_and(|leg| truth.legs[0] == Some(leg + 1));
+        unless(covariate || coordinate || leg, "neither covariate nor place")
     });
 }
 

@@ -11,7 +11,7 @@ use super::mistakes::Mistake;
 use super::run::{Run, Weather, direction, normal};
 use super::setting::Setting;
 use super::text::{self, Sheet};
-use super::unlisted_effects::UnlistedEffect;
+use super::unlisted_effects::{NAMES, UnlistedEffect};
 
 /// Rows of a run.
 pub const ROWS: usize = 120;
@@ -61,6 +61,10 @@ pub struct Truth {
     pub reading: Option<String>,
     /// Covariates that may be named for what is outside the catalogue, or for noise that varies.
     pub covariates: Vec<String>,
+    /// Coordinates that may be named for what is outside the catalogue.
+    pub coordinates: Vec<String>,
+    /// Effects of the catalogue that are right for it as well.
+    pub also: Vec<String>,
     pub outlier_rows: Vec<usize>,
 }
 
@@ -108,7 +112,7 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
             planted.push(plant(&known, size, &Limits::of(&run)?, &run, &mut rng)?);
         }
         Kind::Outside(size) => {
-            let mut stranger = UnlistedEffect::draw(number % 9, &run, &mut rng);
+            let mut stranger = UnlistedEffect::draw(number % NAMES.len(), &run, &mut rng);
             let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             stranger.amplitude =
                 sign * size * Limits::at_limit_of_strangers() / Limits::of(&run)?.prominence(&stranger)?;
@@ -148,6 +152,8 @@ pub fn draw_in_run(kind: Kind, rows: usize, seed: u64, number: usize) -> Option<
         truth.detail = s.name.to_owned();
         truth.legs.push(s.leg.map(|leg| leg + 1));
         truth.covariates = s.covariates.clone();
+        truth.coordinates = s.coordinates.clone();
+        truth.also = s.names.clone();
     }
     let mut sheet = Sheet::of(run, poses);
     if kind == Kind::Misread {
