@@ -44,8 +44,10 @@ pub struct Environment {
     pub screw_pitch: Option<f64>,
     /// Temperature sensors whose places are known.
     pub sensors: Vec<Sensor>,
-    /// The joints that are commanded for home, from which effects measure; those of the mechanism itself if absent. A
-    /// calibrated mechanism has others than the drawing, but its effects were fitted with these.
+    /// The pose at home of the drawing, from which effects measure; that of the mechanism itself if absent. A calibrated
+    /// mechanism has another one, but its effects were fitted with this.
+    pub home: Option<Pose>,
+    /// The joints that are commanded for home, likewise.
     pub home_joints: Option<Vec<f64>>,
     /// Directions of the legs at home, base frame, likewise ([`EffectContext::home_legs`]).
     pub home_legs: Option<Vec<Option<Vector3<f64>>>>,

@@ -118,8 +118,10 @@ impl Effect for InstrumentRotationGain {
     }
 
     fn perturb(&self, theta: &[f64], _at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let convention = &site.context.environment.convention;
-        let home = convention.angles(&site.context.mechanism.home().rotation);
+        let environment = site.context.environment;
+        let convention = &environment.convention;
+        let home = environment.home.unwrap_or_else(|| site.context.mechanism.home());
+        let home = convention.angles(&home.rotation);
         let angles = convention.angles(&site.pose.rotation);
         let read = Vector3::from_fn(|k, _| theta[k] * wrapped_angle(angles[k] - home[k]));
         let turn = convention.angle_axes(&angles) * read;

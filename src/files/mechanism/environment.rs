@@ -44,6 +44,7 @@ pub(crate) fn environment(
         screw_pitch: pitch.map(|v| Ok(r.units.length.to_si(r.known("[actuator] screw_pitch", v)?))).transpose()?,
         sensors,
         home_joints: None,
+        home: None,
         home_legs: None,
     })
 }

@@ -41,8 +41,12 @@ pub(crate) fn build(
     let commander = nominal.as_deref().unwrap_or(mechanism.as_ref());
     let home_joints = commander.inverse(commander.values(), &commander.home(), &Conditions::unknown()).ok();
     let home_legs = Some(leg_directions(commander, commander.values(), &commander.home()));
-    let environment =
-        Environment { home_joints, home_legs, ..environment(reader, &document, &options.condition_kinds, convention)? };
+    let environment = Environment {
+        home: Some(commander.home()),
+        home_joints,
+        home_legs,
+        ..environment(reader, &document, &options.condition_kinds, convention)?
+    };
     let Effects { mechanism, instrument, environment } =
         with_effects(reader, &document, mechanism, environment, &options.catalogue)?;
     let mounting = document.mounting.as_ref().map(|m| m.read(reader)).transpose()?;

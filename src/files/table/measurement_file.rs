@@ -1,6 +1,7 @@
 //! Measurement files.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::conditions::Conditions;
 use crate::effect::WithInstrumentEffects;
@@ -93,7 +94,9 @@ fn measurement_of(path: &Path, cells: Cells, machine: &Machine) -> Result<Measur
     }
     warnings.extend(lacking(machine, &samples));
     let data = Dataset::new(samples, model, noise);
-    let data = WithInstrumentEffects::wrap(&data, machine.plain(), &machine.environment, &machine.instrument)
+    // As `refer_to` does for the effects on the machine.
+    let environment = Arc::new(machine.environment.with_references_of(&data));
+    let data = WithInstrumentEffects::wrap(&data, machine.plain(), &environment, &machine.instrument)
         .map_err(|cause| FileError::Geometry { path: machine.path.clone(), cause })?;
     warnings.extend(copies(&table));
     warnings.extend(on_the_other_side(&data, machine));

@@ -79,7 +79,8 @@ fn verdict(seed: u64) -> (Combination, Result<Option<String>, String>) {
         let printed = found.result.after;
         let broken =
             differs(written.position, printed.position, size) || differs(written.rotation, printed.rotation, 1.0);
-        Ok(broken.then(|| format!("printed {printed:?}, written {written:?}")))
+        let effects: Vec<&str> = found.text.lines().filter(|l| l.starts_with("name = ") && l.contains('.')).collect();
+        Ok(broken.then(|| format!("{effects:?}: printed {printed:?}, written {written:?}")))
     });
     (combination, told)
 }

@@ -61,8 +61,12 @@ fn its_file_is_read_and_written() {
         ],
         ..Environment::default()
     };
-    let stated =
-        |machine: &Machine| Environment { home_joints: None, home_legs: None, ..(**machine.environment()).clone() };
+    let stated = |machine: &Machine| Environment {
+        home: None,
+        home_joints: None,
+        home_legs: None,
+        ..(**machine.environment()).clone()
+    };
     assert_eq!(stated(&read), expected);
     let moved: Vec<f64> = values.iter().map(|v| v + 1e-6).collect();
     let moved = read.mechanism.with_values(&moved, read.mechanism.home()).unwrap();
