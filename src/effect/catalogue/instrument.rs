@@ -100,7 +100,11 @@ impl Effect for InstrumentRotationGain {
     }
 
     fn missing(&self, context: &EffectContext<'_>, _available: &AvailableData) -> Vec<String> {
-        needs_joints(context)
+        let mut missing = needs_joints(context);
+        if !context.mechanism.controlled()[3..].contains(&true) {
+            missing.push("a platform that turns".into());
+        }
+        missing
     }
 
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
