@@ -19,12 +19,16 @@ use crate::common::hidden::run::normal;
 
 const ROWS: usize = 36;
 type V = Vector3<f64>;
+/// Joints of a true machine at a place and an attitude, mm or degrees.
+type Inverse = Box<dyn Fn(&V, &Matrix3<f64>) -> Vec<f64>>;
+/// The four numbers that are written for an attitude.
+type Written = fn(&UnitQuaternion<f64>) -> [f64; 4];
 
 /// A machine in mm and degrees: its file, and what it commands for a true pose.
 struct Machine {
     file: String,
     /// Joints of the true machine at a pose, mm or degrees.
-    joints: Box<dyn Fn(&V, &Matrix3<f64>) -> Vec<f64>>,
+    joints: Inverse,
     home: f64,
     half: [f64; 2],
     noise: [f64; 2],
@@ -156,7 +160,7 @@ struct Table {
     poses: Vec<(V, Matrix3<f64>)>,
     /// How the attitude is written.
     angles: fn(&Matrix3<f64>) -> [f64; 3],
-    quaternion: Option<fn(&UnitQuaternion<f64>) -> [f64; 4]>,
+    quaternion: Option<Written>,
     file: String,
     unit: &'static str,
 }

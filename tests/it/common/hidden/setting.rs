@@ -142,7 +142,7 @@ impl Setting {
             let n = run.len();
             for (k, row) in run.rows.iter_mut().enumerate() {
                 let part = 4.0 * k as f64 / n as f64;
-                let up = if part as usize % 2 == 0 { part.fract() } else { 1.0 - part.fract() };
+                let up = if (part as usize).is_multiple_of(2) { part.fract() } else { 1.0 - part.fract() };
                 row.elevation = (20.0 + 70.0 * up).to_radians();
             }
         }

@@ -80,7 +80,7 @@ fn ring(radii: [f64; 2], pairs: [f64; 2], height: f64, half: [f64; 2], noise: [f
         Vector3::new(radius * cosine, radius * sine, 0.0)
     };
     let point = |radius: f64, pair: f64, i: usize| {
-        let side = if i % 2 == 0 { -1.0 } else { 1.0 };
+        let side = if i.is_multiple_of(2) { -1.0 } else { 1.0 };
         on(radius, 120.0 * (i / 2) as f64 + side * pair)
     };
     at_home(Design {
