@@ -10,6 +10,7 @@ use super::limits::{Limits, NOISE};
 use super::mistakes::Mistake;
 use super::run::{Run, Weather, direction, normal};
 use super::setting::Setting;
+use super::stage::Reading;
 use super::text::{self, Sheet};
 use super::unlisted_effects::{NAMES, UnlistedEffect};
 
@@ -174,7 +175,13 @@ pub fn draw_in(setting: &Setting, kind: Kind, seed: u64, number: usize) -> Optio
     let recorded: Vec<&Known> = CATALOGUE.iter().filter(|known| setting.records(known)).collect();
     let (names, size): (Vec<&Known>, f64) = match kind {
         Kind::One(size) | Kind::OneWithOutliers(size) => (vec![recorded[number % recorded.len()]], size),
-        Kind::Instrument(size) => (vec![&INSTRUMENTS[number % INSTRUMENTS.len()]], size),
+        Kind::Instrument(size) => {
+            // Positions alone do not show how angles are read.
+            let blind = setting.reading == Reading::Positions;
+            let shown = |known: &&Known| !(blind && known.name == "instrument.rotation_gain");
+            let all: Vec<&Known> = INSTRUMENTS.iter().filter(shown).collect();
+            (vec![all[number % all.len()]], size)
+        }
         Kind::Two(size) => (sample(&mut rng, recorded.len(), 2).into_iter().map(|k| recorded[k]).collect(), size),
         Kind::Three(size) => (sample(&mut rng, recorded.len(), 3).into_iter().map(|k| recorded[k]).collect(), size),
         _ => (Vec::new(), 0.0),
