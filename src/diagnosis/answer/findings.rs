@@ -13,7 +13,7 @@ use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::question::Question;
 use crate::diagnosis::search::agreement::{LackOfFit, noise_exceeded};
-use crate::diagnosis::search::covariates::{Covariate, covariates, everything};
+use crate::diagnosis::search::covariates::{Covariate, covariates, with_coordinates};
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::remainder::{most_telling, remainder, rival, worth_of};
 use crate::diagnosis::search::stepwise::{LEVEL, TIED};
@@ -94,6 +94,15 @@ struct Conclusion {
     withdrawn: bool,
 }
 
+impl Conclusion {
+    /// The names do not hold; instead there is this.
+    fn withdraw(&mut self, found: Unknown) {
+        let names = self.causes.drain(..).map(|c| c.effect).collect();
+        self.withdrawn = true;
+        self.unknown = Some(Unknown { withdrawn: names, ..found });
+    }
+}
+
 /// Judges the names that the search found by what they leave.
 fn conclude(
     subject: &Hypotheses<'_>,
@@ -103,54 +112,55 @@ fn conclude(
 ) -> Result<Conclusion, DiagnoseError> {
     let (model, names) = (&state.model, state.names());
     let known = covariates(subject.data, &subject.environment.condition_kinds);
-    let everything = everything(subject);
-    let mut causes = causes(subject, state, model, unseen)?;
-    let mut unknown = remainder(model, &everything).filter(|u| !is_rounding(without, model, u.leg));
-    let mut withdrawn = false;
+    let everything = with_coordinates(&known, subject);
+    let mut told = Conclusion {
+        causes: causes(subject, state, model, unseen)?,
+        unknown: remainder(model, &everything).filter(|u| !is_rounding(without, model, u.leg)),
+        withdrawn: false,
+    };
     if !names.is_empty() {
         let worth = worth_of(without, &subject.groups, names) - price_of_places(subject, names);
         if let Some(found) = rival(without, &known, worth, TIED) {
-            unknown = Some(Unknown { withdrawn: causes.drain(..).map(|c| c.effect).collect(), ..found });
-            withdrawn = true;
+            told.withdraw(found);
         }
     }
-    if unknown.is_none() && patchwork(subject, names) {
+    if told.unknown.is_none() && patchwork(subject, names) {
         // Jumps and drifts stacked on each other describe anything that changes with time.
-        unknown = Some(Unknown {
+        told.unknown = Some(Unknown {
             covariate: Some(if known.iter().any(|c| c.name == TIME) { TIME.into() } else { "row".into() }),
-            ..Unknown::by(UnknownTest::Patchwork, causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
+            ..Unknown::by(UnknownTest::Patchwork, told.causes.iter().map(|c| c.p_value).fold(0.0, f64::max))
         });
     }
-    if let Some(test) = harms(&causes, gains).filter(|_| !withdrawn) {
-        let names = causes.drain(..).map(|c| c.effect).collect();
-        withdrawn = true;
-        let found = remainder(without, &everything).unwrap_or_else(|| Unknown::by(test, 0.0));
-        unknown = Some(Unknown { withdrawn: names, ..found });
+    if let Some(test) = harms(&told.causes, gains).filter(|_| !told.withdrawn) {
+        told.withdraw(remainder(without, &everything).unwrap_or_else(|| Unknown::by(test, 0.0)));
     }
-    if subject.data.noise.known && is_hopeless(subject, if withdrawn { without } else { model }) {
-        let names = causes.drain(..).map(|c| c.effect).collect();
-        withdrawn = true;
-        unknown = Some(Unknown { withdrawn: names, ..Unknown::by(UnknownTest::Misfit, 0.0) });
+    if subject.data.noise.known && is_hopeless(subject, if told.withdrawn { without } else { model }) {
+        told.withdraw(Unknown::by(UnknownTest::Misfit, 0.0));
     }
     if let Some(lack) = LackOfFit::of(model, subject.data, &subject.environment.condition_kinds) {
-        let nameless = || Unknown { size: Some(lack.times), ..Unknown::by(UnknownTest::Repeats, lack.p_value) };
-        // What comes again with the same commands and conditions does not depend on the time.
-        let is_timeless = |name: &str| name != TIME && name != "row";
-        let timeless: Vec<Covariate> = everything.into_iter().filter(|c| is_timeless(&c.name)).collect();
-        let found = unknown
-            .filter(|u| u.covariate.as_deref().is_none_or(is_timeless))
-            .or_else(|| most_telling(model, &timeless, lack.p_value))
-            .unwrap_or_else(nameless);
-        let by_chance = !withdrawn && !names.is_empty() && lack.chance_of(without, &subject.groups, names) > LEVEL;
-        let withdrawn_names = if by_chance { causes.drain(..).map(|c| c.effect).collect() } else { found.withdrawn };
-        withdrawn |= by_chance;
-        unknown = Some(Unknown { withdrawn: withdrawn_names, ..found });
+        let found = beside_repeats(model, everything, told.unknown.take(), &lack);
+        if !told.withdrawn && !names.is_empty() && lack.chance_of(without, &subject.groups, names) > LEVEL {
+            told.withdraw(found);
+        } else {
+            told.unknown = Some(found);
+        }
     }
-    if unknown.is_none() && causes.is_empty() && subject.data.noise.known {
-        unknown = noise_exceeded(model, &state.spreads);
+    if told.unknown.is_none() && told.causes.is_empty() && subject.data.noise.known {
+        told.unknown = noise_exceeded(model, &state.spreads);
     }
-    let unknown = unknown.map(|u| Unknown { dimension: dimension(subject, &u), ..u });
-    Ok(Conclusion { causes, unknown, withdrawn })
+    told.unknown = told.unknown.map(|u| Unknown { dimension: dimension(subject, &u), ..u });
+    Ok(told)
+}
+
+/// What is left where repeated samples say that something is. What comes again with the same commands and conditions does not
+/// depend on the time.
+fn beside_repeats(model: &Model, everything: Vec<Covariate>, unknown: Option<Unknown>, lack: &LackOfFit) -> Unknown {
+    let is_timeless = |name: &str| name != TIME && name != "row";
+    let timeless: Vec<Covariate> = everything.into_iter().filter(|c| is_timeless(&c.name)).collect();
+    unknown
+        .filter(|u| u.covariate.as_deref().is_none_or(is_timeless))
+        .or_else(|| most_telling(model, &timeless, lack.p_value))
+        .unwrap_or_else(|| Unknown { size: Some(lack.times), ..Unknown::by(UnknownTest::Repeats, lack.p_value) })
 }
 
 /// The dimension of what acts where an unknown error acts.

@@ -5,6 +5,7 @@ use crate::diagnosis::preflight::in_base::Screened;
 use crate::diagnosis::preflight::joint_columns::JointColumns;
 use crate::diagnosis::preflight::mistakes::Mistake;
 use crate::diagnosis::preflight::reading::Reading;
+use crate::diagnosis::preflight::regression::median;
 use crate::diagnosis::preflight::table::SeenKind;
 use crate::diagnosis::preflight::trial::Trial;
 use crate::mechanism::characteristic_length;
@@ -107,11 +108,6 @@ fn screened(trial: &Trial<'_>, reading: Reading, rows: &[usize]) -> Option<Scree
     let part = |v: Vec<f64>, whole: f64| if v.is_empty() { 0.0 } else { median(v) / (whole + 1e-3 * size) };
     let left = part(turns, whole[1]) + 0.3 * part(shifts, whole[0]);
     left.is_finite().then_some(Screened { reading, left })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Readings of the columns of the joints: every order, every set of signs, and joints that count from home.

@@ -175,7 +175,8 @@ fn spread(values: &[f64]) -> f64 {
     median(values.iter().map(|v| (v - middle).abs()).collect())
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The upper of the middle values; no number of none.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::diagnosis::preflight::reading::Reading;
+use crate::diagnosis::preflight::regression::median;
 use crate::diagnosis::preflight::table::SeenKind;
 use crate::diagnosis::preflight::trial::Trial;
 use crate::mechanism::characteristic_length;
@@ -30,7 +31,7 @@ pub(crate) fn with_zeros(trial: &Trial<'_>, reading: Reading) -> Reading {
         let mut next = best.clone();
         backward.iter().zip(step.iter()).for_each(|(k, d)| next.joints.zero[*k] += d);
         let Some(misses) = misses(trial, &next) else { break };
-        if median(&misses) >= median(&left) {
+        if typical(&misses) >= typical(&left) {
             break;
         }
         (best, left) = (next, misses);
@@ -74,8 +75,7 @@ fn misses(trial: &Trial<'_>, reading: &Reading) -> Option<Vec<Option<Vector3<f64
     (2 * all.iter().flatten().count() > all.len()).then_some(all)
 }
 
-fn median(misses: &[Option<Vector3<f64>>]) -> f64 {
-    let mut lengths: Vec<f64> = misses.iter().map(|v| v.map_or(f64::INFINITY, |v| v.norm())).collect();
-    let middle = lengths.len() / 2;
-    *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The median distance.
+fn typical(misses: &[Option<Vector3<f64>>]) -> f64 {
+    median(misses.iter().map(|v| v.map_or(f64::INFINITY, |v| v.norm())).collect())
 }

@@ -85,9 +85,9 @@ pub(crate) fn covariates(data: &Dataset, kinds: &ConditionTable) -> Vec<Covariat
     all
 }
 
-/// The covariates, and the coordinates of the pose where these are not the joints.
-pub(crate) fn everything(subject: &Hypotheses<'_>) -> Vec<Covariate> {
-    let mut all = covariates(subject.data, &subject.environment.condition_kinds);
+/// These covariates, and the coordinates of the pose where they are not the joints.
+pub(crate) fn with_coordinates(known: &[Covariate], subject: &Hypotheses<'_>) -> Vec<Covariate> {
+    let mut all = known.to_vec();
     if !subject.is_pose_space() {
         all.extend(coordinates_of_pose(subject.mechanism, subject.data));
     }

@@ -12,7 +12,7 @@ use crate::diagnosis::linear::hypotheses::{EffectColumns, Hypotheses, ScanSite};
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::kept_rows::KeptRows;
 use crate::diagnosis::linear::unit_motion::{Place, UnitMotion};
-use crate::diagnosis::search::covariates::{Covariate, everything};
+use crate::diagnosis::search::covariates::{Covariate, covariates, with_coordinates};
 use crate::diagnosis::search::curve::Shape;
 use crate::diagnosis::search::iteration::SearchState;
 use crate::diagnosis::search::outliers::outliers;
@@ -31,9 +31,13 @@ pub(crate) fn still_gross(
     unknown: &Unknown,
 ) -> Result<Option<Vec<usize>>, DiagnoseError> {
     let kept = state.kept();
-    let covariates = everything(subject);
+    if kept.left_out.is_empty() {
+        return Ok(None);
+    }
+    let known = covariates(subject.data, &subject.environment.condition_kinds);
+    let everything = with_coordinates(&known, subject);
     let named = |c: &&Covariate| Some(&c.name) == unknown.covariate.as_ref();
-    let Some(covariate) = covariates.iter().find(named).filter(|_| !kept.left_out.is_empty()) else { return Ok(None) };
+    let Some(covariate) = everything.iter().find(named) else { return Ok(None) };
     let table = &kept.table;
     let shape = Shape { test: unknown.test, from: unknown.from, period: unknown.period, degree: DEGREE };
     let functions = shape.of(covariate);
