@@ -7,7 +7,8 @@ use nalgebra::DVector;
 
 use crate::conditions::TIME;
 use crate::diagnosis::answer::findings::findings;
-use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Unknown, UnknownTest, Verdict};
+use crate::diagnosis::answer::result::{Diagnosis, Gain, Misread, Verdict};
+use crate::diagnosis::answer::unknown::{Unknown, UnknownTest};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::preflight::beside_effects::misread_beside_effects;

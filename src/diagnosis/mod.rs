@@ -44,9 +44,10 @@ mod question;
 mod search;
 
 pub use answer::result::{
-    AddedVariable, Alternative, COORDINATES, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread,
-    NoiseVaries, NotFound, NotTestable, Rival, Unknown, UnknownTest, Verdict,
+    AddedVariable, Alternative, Cause, CauseParameter, Diagnosis, Gain, JointResiduals, Misread, NoiseVaries, NotFound,
+    NotTestable, Rival, Verdict,
 };
+pub use answer::unknown::{COORDINATES, Unknown, UnknownTest};
 pub use diagnose::diagnose;
 pub use error::DiagnoseError;
 pub use planning::design::{detection_limits, planned};

@@ -3,13 +3,13 @@
 use crate::diagnosis::answer::evidence::added_variable;
 use crate::diagnosis::answer::limits::lambda;
 use crate::diagnosis::answer::not_excluded::Unseen;
-use crate::diagnosis::answer::result::{Cause, CauseParameter, Rival};
+use crate::diagnosis::answer::result::{Cause, CauseParameter};
+use crate::diagnosis::answer::rivals::Named;
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
-use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::search::iteration::SearchState;
-use crate::diagnosis::search::stepwise::{Score, TIED, TOLD_APART, related, scores, separability, twins};
+use crate::diagnosis::search::stepwise::scores;
 use crate::effect::EffectParameter;
 use crate::measurement::DataRow;
 use crate::units::Dimension;
@@ -18,8 +18,6 @@ use crate::units::Dimension;
 const TENTATIVE: f64 = 2.0;
 /// A value that is known to this many usual sizes only is not known.
 const UNSEEN: f64 = 1e6;
-/// A twin that takes at least this part of the gain explains as much.
-const AS_MUCH: f64 = 0.9;
 
 /// Every name with its values and what speaks for it, by evidence.
 pub(crate) fn causes(
@@ -46,7 +44,17 @@ pub(crate) fn causes(
         let place = name.at(&subject.groups, &rows);
         let variance = model.noise.variance() * state.fitting.inflation;
         let sigma = model.noise.variance().sqrt();
-        let tied_with = rivals(subject, &without, &scores, name, &values, &others, variance);
+        let named = Named {
+            subject,
+            state,
+            without: &without,
+            others: &others,
+            scores: &scores,
+            name,
+            values: &values,
+            variance,
+        };
+        let tied_with = named.rivals()?;
         let lambda_limit = lambda(own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
         let weight = state.fitting.scale * state.fitting.scale;
@@ -93,46 +101,4 @@ fn dimension(subject: &Hypotheses<'_>, stated: Dimension, leg: Option<usize>) ->
         Some(joint) if stated == joints[0].dimension => joint.dimension,
         _ => stated,
     }
-}
-
-/// Names within a factor of 20 in evidence, and within a factor of 400 those that the data can hardly tell from the named
-/// one, unless one is a special case of the other.
-fn rivals(
-    subject: &Hypotheses<'_>,
-    without: &Model,
-    scores: &[Score],
-    name: &Hypothesis,
-    values: &[f64],
-    others: &[Hypothesis],
-    variance: f64,
-) -> Vec<Rival> {
-    let own = scores[name.group].evidence;
-    let rows: Vec<DataRow> = subject.data.iter().map(|s| s.row).collect();
-    let mut tied: Vec<Rival> = Vec::new();
-    for s in scores.iter().filter(|s| s.rank > 0 && s.candidate.group != name.group && !others.contains(&s.candidate)) {
-        let log_bayes_factor = own - s.evidence;
-        // What the data can hardly tell apart is not told apart by the sizes that are usual.
-        let reach = if related(&subject.groups, name, &s.candidate) { TIED } else { 2.0 * TIED };
-        // Only tolerances tell a twin, and they are no measurement.
-        let twin = twins(&subject.groups, name, &s.candidate) && s.gain > AS_MUCH * scores[name.group].gain;
-        if log_bayes_factor > reach && !twin {
-            continue;
-        }
-        let separability = separability(without, &subject.groups, name, values, &s.candidate, variance);
-        if twin || log_bayes_factor <= TIED || separability < TOLD_APART {
-            let at = s.candidate.at(&subject.groups, &rows);
-            tied.push(Rival {
-                effect: subject.groups[s.candidate.group].effect.name().into(),
-                leg: at.leg,
-                row: at.row,
-                of: at.covariate,
-                lag: at.lag,
-                values: without.ask_all(&subject.groups, std::slice::from_ref(&s.candidate)).values(),
-                log_bayes_factor,
-                separability,
-            });
-        }
-    }
-    tied.sort_by(|a, b| a.log_bayes_factor.total_cmp(&b.log_bayes_factor));
-    tied
 }

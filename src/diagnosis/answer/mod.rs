@@ -8,3 +8,5 @@ pub(crate) mod gain;
 pub(crate) mod limits;
 pub(crate) mod not_excluded;
 pub(crate) mod result;
+pub(crate) mod rivals;
+pub(crate) mod unknown;

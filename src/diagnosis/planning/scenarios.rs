@@ -55,7 +55,7 @@ impl<'a> Further<'a> {
     fn new(question: &'a Question<'a>, mechanism: &'a dyn Mechanism, found: &Diagnosis) -> Self {
         let data = question.data;
         let n = data.len();
-        let of_rivals = |c: &Cause| c.tied_with.iter().find_map(|r| r.leg);
+        let of_rivals = |c: &Cause| c.rivals().find_map(|r| r.leg);
         Self {
             question,
             mechanism,
@@ -311,14 +311,14 @@ fn between(kind: &ConditionKind, [from, to]: [f64; 2]) -> String {
 
 /// The names and their rivals.
 fn names_of(found: &Diagnosis) -> Vec<String> {
-    let rivals = found.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.clone());
+    let rivals = found.causes.iter().flat_map(Cause::rivals).map(|r| r.effect.clone());
     found.causes.iter().map(|c| c.effect.clone()).chain(rivals).collect()
 }
 
 /// The covariates that the names and their rivals depend on.
 fn depends_on(question: &Question<'_>, found: &Diagnosis) -> BTreeSet<String> {
     let names = found.causes.iter().map(|c| (&c.effect, c.leg, &c.of));
-    let rivals = found.causes.iter().flat_map(|c| &c.tied_with).map(|r| (&r.effect, r.leg, &r.of));
+    let rivals = found.causes.iter().flat_map(Cause::rivals).map(|r| (&r.effect, r.leg, &r.of));
     let covariates = |(name, leg, of): (&String, Option<usize>, &Option<String>)| {
         let at = ScanPoint { covariate: of.clone(), ..ScanPoint::leg(leg.unwrap_or(0)) };
         question.catalogue.get(name).map(|effect| effect.covariates(&at)).unwrap_or_default()

@@ -108,22 +108,27 @@ fn separations(
         let model = model_of(&subject, &table, others)?;
         // The name and its rivals: any of them may be the truth, so that every pair must be told apart.
         let own: Vec<f64> = cause.parameters.iter().map(|p| p.value).collect();
-        let mut all = vec![(&cause.effect, named(cause), own)];
+        let mut all = vec![(cause.effect.clone(), named(cause).map(|name| vec![name]), own)];
         for r in &cause.tied_with {
-            all.push((&r.effect, candidate(&subject, &r.effect, &r.place(), r.row), r.values.clone()));
+            let labels: Vec<&str> = r.parts().map(|part| part.effect.as_str()).collect();
+            let places = r.parts().map(|part| candidate(&subject, &part.effect, &part.place(), part.row));
+            let values = r.parts().flat_map(|part| part.values.iter().copied()).collect();
+            all.push((labels.join(" + "), places.collect(), values));
         }
         for (k, (name, one, of_one)) in all.iter().enumerate() {
             for (rival, other, of_other) in &all[k + 1..] {
                 // What a plan cannot see it cannot tell apart.
                 let separability = one.as_ref().zip(other.as_ref()).map_or(0.0, |(one, other)| {
-                    let apart = |a, values: &[f64], b| {
+                    let apart = |a: &[Hypothesis], values: &[f64], b: &[Hypothesis]| {
                         separability(&model, &subject.groups, a, values, b, model.noise.variance())
                     };
                     // A special case cannot be imitated by less, and is imitated by the richer name: the larger of the two.
                     let (there, back) = (apart(one, of_one, other), apart(other, of_other, one));
-                    if related(&subject.groups, one, other) { there.max(back) } else { there.min(back) }
+                    let alike = |a: &Hypothesis, b: &Hypothesis| a == b || related(&subject.groups, a, b);
+                    let nested = one.iter().any(|a| other.iter().any(|b| alike(a, b)));
+                    if nested { there.max(back) } else { there.min(back) }
                 });
-                separations.push(Separation { effect: (*name).clone(), rival: (*rival).clone(), separability });
+                separations.push(Separation { effect: name.clone(), rival: rival.clone(), separability });
             }
         }
     }
@@ -140,7 +145,7 @@ fn measured(data: &Dataset) -> [bool; 6] {
 /// The lags of the names and of their rivals.
 fn lags_of(found: &Diagnosis) -> Vec<f64> {
     let own = found.causes.iter().filter_map(|c| c.lag);
-    let of_rivals = found.causes.iter().flat_map(|c| &c.tied_with).filter_map(|r| r.lag);
+    let of_rivals = found.causes.iter().flat_map(Cause::rivals).filter_map(|r| r.lag);
     let mut lags: Vec<f64> = own.chain(of_rivals).collect();
     lags.sort_by(f64::total_cmp);
     lags.dedup();

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::conditions::{ConditionKind, ConditionTable, TIME};
-use crate::diagnosis::answer::result::{Unknown, UnknownTest};
+use crate::diagnosis::answer::unknown::{Unknown, UnknownTest};
 use crate::diagnosis::linear::hypotheses::EffectColumns;
 use crate::diagnosis::linear::hypothesis::Hypothesis;
 use crate::diagnosis::linear::model::Model;

@@ -1,7 +1,7 @@
 //! Covariates recorded with the samples, and those that follow from the commands.
 
 use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
-use crate::diagnosis::answer::result::COORDINATES;
+use crate::diagnosis::answer::unknown::COORDINATES;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::unit_motion::Place;
 use crate::measurement::Dataset;

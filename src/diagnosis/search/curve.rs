@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::diagnosis::answer::result::{Unknown, UnknownTest};
+use crate::diagnosis::answer::unknown::{Unknown, UnknownTest};
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::unit_motion::Place;

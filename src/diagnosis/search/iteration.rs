@@ -172,6 +172,7 @@ impl Search<'_, '_> {
         let groups = &self.subject.groups;
         let mut fitting = Fitting { scale, inflation: care.inflation, known: self.known };
         let mut polish = !names.is_empty();
+        let mut whole = true;
         let mut steps = 0;
         loop {
             if care.trim {
@@ -192,7 +193,13 @@ impl Search<'_, '_> {
             steps += 1;
             names = match search.step(&model)? {
                 Some(next) if next != model.candidates => next,
-                _ => return Ok((model, fitting)),
+                _ => match if whole { search.taken_apart(&model)? } else { None } {
+                    Some(next) if next != model.candidates => {
+                        whole = false;
+                        next
+                    }
+                    _ => return Ok((model, fitting)),
+                },
             };
             if steps == STEPS {
                 return Ok((search.model(names)?, fitting));

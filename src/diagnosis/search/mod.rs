@@ -8,6 +8,7 @@ pub(crate) mod iteration;
 pub(crate) mod lags;
 pub(crate) mod noise;
 pub(crate) mod outliers;
+pub(crate) mod pairs;
 pub(crate) mod remainder;
 pub(crate) mod reweighting;
 pub(crate) mod stepwise;

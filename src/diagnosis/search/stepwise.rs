@@ -11,6 +11,7 @@ use crate::diagnosis::linear::kept_rows::KeptRows;
 use crate::diagnosis::linear::model::{Fitting, Model};
 use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::statistics::log_mean;
+use crate::diagnosis::search::pairs::pairs;
 use crate::solve::{Triangle, svd};
 
 /// Family-wise level of the catalogue.
@@ -20,7 +21,7 @@ pub const TOLD_APART: f64 = 10.0;
 /// Rivals within this many nats are ties: a factor of 20.
 pub(crate) const TIED: f64 = 2.995_732_273_553_991;
 /// Evidence, nats, that a further name needs.
-const SECOND: f64 = 3.0;
+pub(crate) const SECOND: f64 = 3.0;
 /// Most names in one answer.
 const MOST: usize = 4;
 /// Rounds of removing and swapping after each addition.
@@ -144,6 +145,27 @@ impl Stepwise<'_> {
         Ok(Some(next))
     }
 
+    /// The names with two in the place of one, where these are detected and have more evidence. `None` if no name is taken
+    /// apart so.
+    pub(crate) fn taken_apart(&self, model: &Model) -> Result<Option<Vec<Hypothesis>>, DiagnoseError> {
+        let names = &model.candidates;
+        if names.len() >= MOST || model.is_rounding() {
+            return Ok(None);
+        }
+        for (k, name) in names.iter().enumerate() {
+            let mut others = names.clone();
+            others.remove(k);
+            let beside = scores(&self.model(others.clone())?, self.groups);
+            let found = pairs(self.groups, name, &others, &beside, |names| self.model(names))?;
+            let better = found.into_iter().filter(|p| p.detected && p.evidence > beside[name.group].evidence);
+            if let Some(best) = better.max_by(|a, b| a.evidence.total_cmp(&b.evidence)) {
+                others.extend(best.names);
+                return Ok(Some(self.polished(others)?));
+            }
+        }
+        Ok(None)
+    }
+
     /// Every name against all others in its place, and against none.
     pub(crate) fn polished(&self, mut names: Vec<Hypothesis>) -> Result<Vec<Hypothesis>, DiagnoseError> {
         for _ in 0..ROUNDS {
@@ -195,17 +217,21 @@ pub(crate) fn twins(groups: &[EffectColumns], one: &Hypothesis, other: &Hypothes
     a.twins().contains(&b.name()) || b.twins().contains(&a.name())
 }
 
-/// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival cannot imitate beside
-/// the model `without`.
+/// The part of a named effect, squared and in units of the noise (`variance` of a row), that a rival, of one effect or of
+/// several together, cannot imitate beside the model `without`.
 pub(crate) fn separability(
     without: &Model,
     groups: &[EffectColumns],
-    named: &Hypothesis,
+    named: &[Hypothesis],
     values: &[f64],
-    rival: &Hypothesis,
+    rival: &[Hypothesis],
     variance: f64,
 ) -> f64 {
-    let of = |name: &Hypothesis| without.kept.columns(&name.block(groups, without.table()));
+    let of = |names: &[Hypothesis]| {
+        let columns: Vec<_> = names.iter().map(|n| without.kept.columns(&n.block(groups, without.table()))).collect();
+        let all: Vec<_> = columns.iter().flat_map(|block| block.column_iter()).collect();
+        DMatrix::from_columns(&all)
+    };
     let shape = &of(named) * DVector::from_column_slice(values);
     let x = without.projected(of(rival));
     let p = x.ncols();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::answer::result::{Unknown, UnknownTest};
+use crate::diagnosis::answer::unknown::{Unknown, UnknownTest};
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::design_matrix::DesignMatrix;
 use crate::diagnosis::linear::hypotheses::{EffectColumns, Hypotheses, ScanSite};

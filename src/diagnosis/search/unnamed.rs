@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::answer::result::UnknownTest;
+use crate::diagnosis::answer::unknown::UnknownTest;
 use crate::diagnosis::linear::model::Model;
 use crate::diagnosis::linear::place_functions::PlaceSamples;
 use crate::diagnosis::linear::unit_motion::Place;

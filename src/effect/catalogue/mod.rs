@@ -41,6 +41,7 @@ mod instrument;
 mod joints;
 mod length;
 mod thermal;
+mod thermal_motion;
 mod time;
 
 use std::sync::Arc;
@@ -51,9 +52,9 @@ pub use instrument::{InstrumentRotationGain, InstrumentScale, InstrumentSkew};
 pub use joints::{Backlash, PivotShift, Play, ScrewCoupling};
 pub use length::{CyclicPitch, LengthQuadratic, ScaleCommon, ScalePerLeg};
 pub use thermal::{
-    ThermalBase, ThermalFrame, ThermalGradient, ThermalLegSingle, ThermalLegsIndividual, ThermalLegsUniform,
-    ThermalPlatform, ThermalPose,
+    ThermalBase, ThermalGradient, ThermalLegSingle, ThermalLegsIndividual, ThermalLegsUniform, ThermalPlatform,
 };
+pub use thermal_motion::{ThermalFrame, ThermalPose};
 pub use time::{Course, FrameMoves, LegMoves};
 
 use nalgebra::{Vector3, Vector6};

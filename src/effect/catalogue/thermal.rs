@@ -8,11 +8,9 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::{describe, each_alone, move_frame, of_legs, unrecorded};
+use super::{describe, of_legs, unrecorded};
 use crate::conditions::{TEMP_BASE, TEMP_LEG, TEMP_LEGS, TEMP_PLATFORM, of_leg};
-use crate::effect::{
-    ActsOn, AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site,
-};
+use crate::effect::{AvailableData, Effect, EffectContext, EffectParameter, Perturbation, Scan, ScanPoint, Site};
 use crate::mechanism::Body;
 use crate::solve::svd;
 use crate::units::Dimension;
@@ -299,138 +297,5 @@ impl Effect for ThermalGradient {
         if let Some((mean, gradient)) = Self::field(site, at) {
             grow(Body::Base, site, out, |place| theta[0] * (mean + 0.5 * gradient.dot(place)));
         }
-    }
-}
-
-/// Three shifts and three turns per kelvin.
-fn rigid() -> Vec<EffectParameter> {
-    let of = |(k, name): (usize, &&str)| match k {
-        0..3 => EffectParameter::new(*name, Dimension::LengthPerKelvin, 1e-5),
-        _ => EffectParameter::new(*name, Dimension::AnglePerKelvin, 1e-5),
-    };
-    ["x", "y", "z", "rx", "ry", "rz"].iter().enumerate().map(of).collect()
-}
-
-/// In pose space, the six coordinates move in proportion to a temperature. Which temperature is tried out.
-#[derive(Clone, Copy, Debug)]
-pub struct ThermalPose;
-
-impl Effect for ThermalPose {
-    describe!(
-        "thermal.pose",
-        "the pose moves in proportion to a temperature",
-        "add the temperature to the look-up table"
-    );
-
-    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        let mut missing = Vec::new();
-        if !context.is_pose_space() {
-            missing.push("a mechanism of type \"pose\"".into());
-        }
-        if available.temperatures(&context.environment.condition_kinds).is_empty() {
-            missing.push("a column temp_…".into());
-        }
-        missing
-    }
-
-    fn may_lag(&self) -> bool {
-        true
-    }
-
-    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
-        rigid()
-    }
-
-    fn often_alone(&self, _setting: &EffectContext<'_>) -> Vec<Vec<f64>> {
-        each_alone(6)
-    }
-
-    fn scan(&self, context: &EffectContext<'_>, available: &AvailableData) -> Scan {
-        Scan::Covariates(available.temperatures(&context.environment.condition_kinds))
-    }
-
-    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
-        at.covariate.iter().cloned().collect()
-    }
-
-    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature_at(c, at)) else { return };
-        for (delta, v) in out.joints.iter_mut().zip(theta) {
-            *delta += v * t;
-        }
-    }
-}
-
-/// The frame of the instrument follows a temperature: a rigid motion of the readings about the origin of the base, in
-/// proportion to it. Which temperature is tried out; those of the legs one by one are not, where their mean is known.
-/// A stand of steel of 1 m rises by 12 µm/K. Confused with: growth of all legs, of the base or of the platform, which move a
-/// platform near home nearly along one direction, in a small workspace beyond what any number of poses tells apart. The
-/// remedies differ: what only the instrument sees is not to be compensated.
-#[derive(Clone, Copy, Debug)]
-pub struct ThermalFrame;
-
-impl ThermalFrame {
-    /// The temperatures that a frame may follow.
-    fn temperatures(context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        let kinds = &context.environment.condition_kinds;
-        let mut names = available.temperatures(kinds);
-        let of_all_legs = (0..context.joints()).all(|leg| available.has(&of_leg(TEMP_LEG, leg)));
-        if of_all_legs || available.has(TEMP_LEGS) {
-            names.retain(|name| kinds.leg_of(name).is_none());
-            if !available.has(TEMP_LEGS) {
-                names.push(TEMP_LEGS.into());
-            }
-        }
-        names
-    }
-}
-
-impl Effect for ThermalFrame {
-    describe!(
-        "thermal.frame",
-        "the frame of the instrument moves with a temperature: its stand, or what carries the base, expands",
-        "measure reference points on the base as the temperature changes, or keep the stand of the instrument at one \
-         temperature; commands cannot correct what only the instrument sees"
-    );
-
-    fn acts_on(&self) -> ActsOn {
-        ActsOn::Measurement
-    }
-
-    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
-        let mut missing = Vec::new();
-        if context.is_pose_space() {
-            missing.push("joints other than the coordinates of the pose".into());
-        }
-        if Self::temperatures(context, available).is_empty() {
-            missing.push("a column temp_…".into());
-        }
-        missing
-    }
-
-    fn may_lag(&self) -> bool {
-        true
-    }
-
-    fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
-        rigid()
-    }
-
-    fn often_alone(&self, _setting: &EffectContext<'_>) -> Vec<Vec<f64>> {
-        each_alone(6)
-    }
-
-    fn scan(&self, context: &EffectContext<'_>, available: &AvailableData) -> Scan {
-        Scan::Covariates(Self::temperatures(context, available))
-    }
-
-    fn covariates(&self, at: &ScanPoint) -> Vec<String> {
-        at.covariate.iter().cloned().collect()
-    }
-
-    fn perturb(&self, theta: &[f64], at: &ScanPoint, site: &Site<'_>, out: &mut Perturbation) {
-        let Some(t) = at.covariate.as_ref().and_then(|c| site.temperature_at(c, at)) else { return };
-        let part = |first: usize| Vector3::new(theta[first], theta[first + 1], theta[first + 2]) * t;
-        move_frame(part(0), part(3), site, out);
     }
 }

@@ -186,15 +186,18 @@ const RIVALS: [&str; 5] =
 
 fn rival_rows(c: &Cause) -> Vec<Vec<String>> {
     let row = |r: &Rival| {
-        let place = [
-            r.leg.map(|leg| format!(" leg {}", leg + 1)),
-            r.row.map(|row| format!(" from data row {row}")),
-            r.of.as_ref().map(|of| format!(" ({of})")),
-        ];
-        let values: Vec<String> = r.values.iter().map(|v| three_digits(*v)).collect();
+        let part = |r: &Rival| {
+            let place = [
+                r.leg.map(|leg| format!(" leg {}", leg + 1)),
+                r.row.map(|row| format!(" from data row {row}")),
+                r.of.as_ref().map(|of| format!(" ({of})")),
+            ];
+            format!("{}{}", r.effect, place.into_iter().flatten().collect::<String>())
+        };
+        let values: Vec<String> = r.parts().flat_map(|r| &r.values).map(|v| three_digits(*v)).collect();
         vec![
             c.effect.clone(),
-            format!("{}{}", r.effect, place.into_iter().flatten().collect::<String>()),
+            r.parts().map(part).collect::<Vec<_>>().join(" together with "),
             format!("{} (SI)", values.join(", ")),
             three_digits(r.log_bayes_factor),
             three_digits(r.separability),
@@ -220,7 +223,7 @@ fn cause_row(c: &Cause) -> Vec<String> {
         let sigma = p.sigma.map_or_else(String::new, |s| format!(" ± {}", show_quantity(s, p.dimension)));
         format!("{} {}{sigma}", p.name, show_quantity(p.value, p.dimension))
     });
-    let rivals: Vec<&str> = c.tied_with.iter().map(|r| r.effect.as_str()).collect();
+    let rivals: Vec<String> = c.tied_with.iter().map(Rival::label).collect();
     vec![
         c.effect.clone(),
         c.leg.map_or_else(String::new, |leg| (leg + 1).to_string()),

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{errors, motion, real, rows};
-use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Unknown};
+use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Rival, Unknown};
 use crate::effect::ActsOn;
 use crate::pose::Pose;
 
@@ -67,15 +67,19 @@ fn cause(c: &Cause) -> Value {
     if let Some(row) = c.row {
         parameters.push(json!({ "name": "row", "value": row, "sigma": null, "unit": "1" }));
     }
-    let tied: Vec<&str> = c.tied_with.iter().map(|r| r.effect.as_str()).collect();
+    let tied: Vec<&str> = c.rivals().map(|r| r.effect.as_str()).collect();
     let rivals: Vec<Value> = c
         .tied_with
         .iter()
         .map(|r| {
-            json!({
-                "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "of": r.of, "lag_s": r.lag.map(real), "behind": real(r.log_bayes_factor),
-                "separability": real(r.separability),
-            })
+            let part = |r: &Rival| {
+                json!({ "effect": r.effect, "leg": r.leg.map(|leg| leg + 1), "of": r.of, "lag_s": r.lag.map(real) })
+            };
+            let mut rival = part(r);
+            rival["together_with"] = r.together_with.as_deref().map_or(Value::Null, part);
+            rival["behind"] = real(r.log_bayes_factor);
+            rival["separability"] = real(r.separability);
+            rival
         })
         .collect();
     json!({

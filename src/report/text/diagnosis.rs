@@ -2,7 +2,7 @@
 
 use super::settlement::limit_table;
 use super::{errors_row, heading, table};
-use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Unknown, UnknownTest, Verdict};
+use crate::diagnosis::{COORDINATES, Cause, Diagnosis, Rival, Unknown, UnknownTest, Verdict};
 use crate::effect::ActsOn;
 use crate::measurement::{DataRow, Frames};
 use crate::pose::{Pose, rotation_vector};
@@ -109,7 +109,7 @@ pub fn verdict(d: &Diagnosis) -> String {
         },
         Verdict::Named => format!("NAMED: {names}."),
         Verdict::Tied => {
-            let rivals: Vec<&str> = d.causes.iter().flat_map(|c| &c.tied_with).map(|r| r.effect.as_str()).collect();
+            let rivals: Vec<String> = d.causes.iter().flat_map(|c| &c.tied_with).map(Rival::label).collect();
             format!("TIED: {names}, but these data do not exclude {}.", rivals.join(", "))
         }
         Verdict::Unknown => {
@@ -246,7 +246,7 @@ fn cause_text(d: &Diagnosis, c: &Cause) -> String {
     for r in &c.tied_with {
         text += &format!(
             "  not excluded: {} ({} nats behind; separability {}, about 10 is needed)\n",
-            name_of(d, &r.effect, r.leg),
+            r.parts().map(|part| name_of(d, &part.effect, part.leg)).collect::<Vec<_>>().join(" together with "),
             three_digits(r.log_bayes_factor),
             three_digits(r.separability)
         );

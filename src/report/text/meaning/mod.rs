@@ -5,7 +5,7 @@ mod tests;
 
 use std::f64::consts::TAU;
 
-use crate::diagnosis::{Cause, CauseParameter, Diagnosis};
+use crate::diagnosis::{Cause, CauseParameter, Diagnosis, Rival};
 use crate::units::{Dimension, show_length, show_quantity};
 
 /// Travel at which a bent scale is stated, m; tilt at which a shift of joint centres is stated, rad.
@@ -330,7 +330,7 @@ pub(in crate::report) fn meanings(d: &Diagnosis) -> Vec<String> {
         match c.tied_with.is_empty() {
             true => sentence,
             false => {
-                let mut rivals: Vec<&str> = c.tied_with.iter().map(|r| r.effect.as_str()).collect();
+                let mut rivals: Vec<String> = c.tied_with.iter().map(Rival::label).collect();
                 rivals.dedup();
                 format!("It looks as follows, but could also be {}: {sentence}", rivals.join(" or "))
             }
