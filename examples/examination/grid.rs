@@ -8,7 +8,8 @@ use rand::rngs::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::Options;
-use crate::hidden::cases::{Kind, draw_in};
+use crate::hidden::cases::{Case, Kind, ROWS, draw_in};
+use crate::hidden::others::{self, Other};
 use crate::hidden::setting::Setting;
 use crate::marks;
 use crate::said::{self, Answer, Said};
@@ -24,19 +25,56 @@ const HIDDEN: [(&str, Kind); 6] = [
     ("instrument at 6", Kind::Instrument(6.0)),
 ];
 
-/// Every question in every setting, and a last line with settings that differ in any respects.
+/// Other machines, of which nothing or one effect is asked.
+const OTHERS: [(&str, Other); 2] = [("linear delta", Other::Delta), ("pose positioner", Other::Positioner)];
+
+/// One line of the table.
+#[derive(Clone, Copy)]
+enum Line {
+    Setting(Setting),
+    /// Settings that differ in any respects.
+    Any,
+    Other(Other),
+}
+
+impl Line {
+    fn asks(self, kind: Kind) -> bool {
+        !matches!(self, Self::Other(_)) || matches!(kind, Kind::Null | Kind::One(_))
+    }
+
+    fn draw(self, kind: Kind, seed: u64, number: usize) -> Option<Case> {
+        match self {
+            Self::Setting(setting) => draw_in(&setting, kind, seed, number),
+            Self::Any => {
+                let setting = Setting::draw(&mut ChaCha8Rng::seed_from_u64(seed + 7 * number as u64));
+                draw_in(&setting, kind, seed, number)
+            }
+            Self::Other(machine) => {
+                let size = if let Kind::One(size) = kind { Some(size) } else { None };
+                others::draw(machine, size, ROWS, seed, number)
+            }
+        }
+    }
+}
+
+/// Every question in every setting, of other machines, and in settings that differ in any respects.
 pub(crate) fn examine(options: &Options, folder: &Path) -> Result<(), Box<dyn Error>> {
-    let mut settings: Vec<(String, Option<Setting>)> =
-        Setting::each().into_iter().map(|setting| (setting.name(), Some(setting))).collect();
-    settings.push(("any of these together".into(), None));
+    let mut settings: Vec<(String, Line)> =
+        Setting::each().into_iter().map(|setting| (setting.name(), Line::Setting(setting))).collect();
+    settings.extend(OTHERS.map(|(name, machine)| (name.to_owned(), Line::Other(machine))));
+    settings.push(("any of these together".into(), Line::Any));
     let asked = |name: &str| options.only.is_empty() || options.only.iter().any(|word| name.contains(word.as_str()));
     let mut head = vec![String::new()];
     head.extend(HIDDEN.iter().map(|(name, _)| (*name).to_owned()));
     let mut lines = Vec::new();
-    for (name, setting) in settings.iter().filter(|(name, _)| asked(name)) {
+    for (name, asked_in) in settings.iter().filter(|(name, _)| asked(name)) {
         let mut line = vec![name.clone()];
         for (hidden, kind) in HIDDEN {
-            let answers = answers(options, folder, setting.as_ref(), kind)?;
+            if !asked_in.asks(kind) {
+                line.push(String::new());
+                continue;
+            }
+            let answers = answers(options, folder, name, *asked_in, kind)?;
             line.push(cell(kind, &answers));
             if options.verbose {
                 for (number, answer) in answers.iter().enumerate().filter(|(_, a)| !is_right(kind, a)) {
@@ -56,17 +94,15 @@ pub(crate) fn examine(options: &Options, folder: &Path) -> Result<(), Box<dyn Er
 fn answers(
     options: &Options,
     folder: &Path,
-    setting: Option<&Setting>,
+    name: &str,
+    line: Line,
     kind: Kind,
 ) -> Result<Vec<Answer>, Box<dyn Error>> {
     let answers: Option<Vec<Answer>> = (0..options.trials)
         .into_par_iter()
         .map(|number| {
-            let drawn = || Setting::draw(&mut ChaCha8Rng::seed_from_u64(options.seed + 7 * number as u64));
-            let setting = setting.copied().unwrap_or_else(drawn);
-            // Four readings at least see what is wrong with them.
-            let case = draw_in(&setting, kind, options.seed, number)?;
-            let name = format!("{}-{}-{number}", setting.name().replace([',', ' '], "-"), marks::word(kind));
+            let case = line.draw(kind, options.seed, number)?;
+            let name = format!("{}-{}-{number}", name.replace([',', ' '], "-"), marks::word(kind));
             Some(said::ask(case, &folder.join(name), options.noise_known))
         })
         .collect();

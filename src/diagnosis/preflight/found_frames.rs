@@ -6,7 +6,6 @@ use crate::diagnosis::preflight::joint_columns::JointColumns;
 use crate::diagnosis::preflight::mistakes::Mistake;
 use crate::diagnosis::preflight::reading::Reading;
 use crate::diagnosis::preflight::regression::median;
-use crate::diagnosis::preflight::table::SeenKind;
 use crate::diagnosis::preflight::trial::Trial;
 use crate::mechanism::characteristic_length;
 use crate::pose::{Pose, rotation_vector};
@@ -23,7 +22,7 @@ const LEGS: usize = 6;
 
 /// The readings that are worth finding frames for, with the disagreement of their moves.
 pub(crate) fn worth_finding(trial: &Trial<'_>) -> Vec<Screened> {
-    let mistakes = Mistake::all(trial.table.order(), trial.table.kind == SeenKind::Pose);
+    let mistakes = trial.mistakes();
     let as_stated = trial.stated();
     let few: Vec<usize> = trial.few.iter().step_by(3).copied().collect();
     let with = |joints| Reading { joints, ..as_stated.clone() };

@@ -3,7 +3,6 @@
 use crate::diagnosis::preflight::joint_columns::JointColumns;
 use crate::diagnosis::preflight::mistakes::Mistake;
 use crate::diagnosis::preflight::reading::Reading;
-use crate::diagnosis::preflight::table::SeenKind;
 use crate::diagnosis::preflight::trial::Trial;
 use crate::measurement::Frames;
 
@@ -38,7 +37,7 @@ pub(crate) struct InBase<'a> {
 
 impl<'a> InBase<'a> {
     pub(crate) fn new(trial: &'a Trial<'a>) -> Self {
-        let mistakes = Mistake::all(trial.table.order(), trial.table.kind == SeenKind::Pose);
+        let mistakes = trial.mistakes();
         let mut singles = screened(trial, Vec::new());
         for mistake in &mistakes {
             singles.extend(screened(trial, vec![mistake.clone()]));

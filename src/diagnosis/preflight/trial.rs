@@ -4,6 +4,7 @@
 use nalgebra::Vector6;
 
 use crate::conditions::Conditions;
+use crate::diagnosis::preflight::mistakes::Mistake;
 use crate::diagnosis::preflight::reading::Reading;
 use crate::diagnosis::preflight::regression::{Regression, regress};
 use crate::diagnosis::preflight::table::{SeenKind, StatedTable};
@@ -12,6 +13,7 @@ use crate::identification::{ClosureFit, ClosureRow, Conventions, Look, Prior, Se
 use crate::measurement::{Dataset, Frames};
 use crate::mechanism::{Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention, rotation_vector};
+use crate::units::Dimension;
 
 /// Rows that a first look takes, and those that the last one does.
 const FEW: usize = 24;
@@ -78,6 +80,16 @@ impl<'a> Trial<'a> {
     /// The file as it stands.
     pub(crate) fn stated(&self) -> Reading {
         Reading::stated(self.mechanism.joints().len())
+    }
+
+    /// The mistakes in the readings that may have been made. A mechanism without a size is in no unit: smaller, its readings
+    /// would only hide what is left.
+    pub(crate) fn mistakes(&self) -> Vec<Mistake> {
+        let specs = self.mechanism.parameters().iter().zip(self.mechanism.values());
+        let has_size = specs.into_iter().any(|(spec, v)| spec.dimension == Dimension::Length && *v != 0.0);
+        let mut all = Mistake::all(self.table.order(), self.table.kind == SeenKind::Pose);
+        all.retain(|m| has_size || !matches!(m, Mistake::FileUnit(_)));
+        all
     }
 
     /// What the joints that are asked for by the poses of a reading say of the columns of the joints, in the base frame.
@@ -147,7 +159,6 @@ impl<'a> Trial<'a> {
 
     /// False for a reading that makes numbers smaller which the commands do not ask for: it would fit by hiding their noise.
     pub(crate) fn is_commanded(&self, reading: &Reading, frames: &Frames) -> bool {
-        use crate::diagnosis::preflight::mistakes::Mistake;
         let smaller = |turns: bool| {
             reading.mistakes.iter().any(|m| match m {
                 Mistake::AngleUnit(unit) => turns && unit.factor < 1.0,

@@ -11,3 +11,4 @@ mod instruments_and_lags;
 mod misread;
 #[cfg(feature = "cli")]
 mod nameless;
+mod other_machines;

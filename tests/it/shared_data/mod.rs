@@ -12,6 +12,7 @@ mod cable_robot;
 #[path = "../../../examples/delta_printer.rs"]
 mod delta_printer;
 mod diagnosis;
+mod so_lat;
 use crate::common::hidden;
 
 use std::path::{Path, PathBuf};

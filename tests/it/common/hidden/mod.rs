@@ -13,6 +13,7 @@ pub mod effects;
 pub mod hexapod;
 pub mod limits;
 pub mod mistakes;
+pub mod others;
 pub mod run;
 pub mod setting;
 pub mod stage;
