@@ -138,6 +138,9 @@ fn conclude(
     if subject.data.noise.known && is_hopeless(subject, if told.withdrawn { without } else { model }) {
         told.withdraw(Unknown::by(UnknownTest::Misfit, 0.0));
     }
+    // Beside samples that repeat each other, rows that go together are what is not modelled, and no memory of the noise.
+    let model = &state.with_independent_rows(subject, names.to_vec())?;
+    let without = &state.with_independent_rows(subject, Vec::new())?;
     if let Some(lack) = LackOfFit::of(model, subject.data, &subject.environment.condition_kinds) {
         let found = beside_repeats(model, everything, told.unknown.take(), &lack);
         if !told.withdrawn && !names.is_empty() && lack.chance_of(without, &subject.groups, names) > LEVEL {
@@ -147,7 +150,7 @@ fn conclude(
         }
     }
     if told.unknown.is_none() && told.causes.is_empty() && subject.data.noise.known {
-        told.unknown = noise_exceeded(model, &state.spreads);
+        told.unknown = noise_exceeded(&state.model, &state.spreads);
     }
     told.unknown = told.unknown.map(|u| Unknown { dimension: dimension(subject, &u), ..u });
     Ok(told)

@@ -112,6 +112,14 @@ impl DesignMatrix {
         (0..self.joints.len()).map(Place::Joint).chain((0..self.coordinates.len()).map(Place::Coordinate))
     }
 
+    /// The coordinates of the platform as it is seen; in pose space they are the joints.
+    pub(crate) fn whole_frame(&self) -> Vec<Place> {
+        match self.coordinates.len() {
+            0 => (0..self.joints.len()).map(Place::Joint).collect(),
+            n => (0..n).map(Place::Coordinate).collect(),
+        }
+    }
+
     /// The column of a unit displacement at a place.
     pub(crate) fn column_of(&self, place: Place) -> usize {
         match place {

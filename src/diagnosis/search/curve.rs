@@ -6,14 +6,18 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::answer::unknown::{Unknown, UnknownTest};
 use crate::diagnosis::linear::model::Model;
-use crate::diagnosis::linear::score_test::ScoreTest;
 use crate::diagnosis::linear::unit_motion::Place;
 use crate::diagnosis::search::covariates::{Covariate, DEGREE};
-use crate::diagnosis::search::unnamed::{Finding, legendre, worth};
+use crate::diagnosis::search::unnamed::{Finding, legendre};
+use crate::diagnosis::search::whole_frame::{jump_of_frame, where_it_acts};
 
 /// A finding as an answer, with its probability. The size is half the range of its course, or the height of a jump.
 pub(crate) fn unknown(model: &Model, found: &Finding<'_>, p_value: f64) -> Unknown {
-    let shape = Shape { test: found.test, from: found.from, period: found.period, degree: found.rank.max(1) };
+    let from = match found.test {
+        UnknownTest::Jump => jump_of_frame(model, found).or(found.from),
+        _ => found.from,
+    };
+    let shape = Shape { test: found.test, from, period: found.period, degree: found.rank.max(1) };
     let functions = shape.of(found.covariate);
     let (place, steps) = where_it_acts(model, found, &functions);
     let course = course(found.covariate, &functions, &steps);
@@ -29,50 +33,11 @@ pub(crate) fn unknown(model: &Model, found: &Finding<'_>, p_value: f64) -> Unkno
         leg,
         coordinate,
         period: found.period,
-        from: found.from,
+        from,
         size: Some(height),
         course,
         ..Unknown::by(found.test, p_value)
     }
-}
-
-/// Where a finding acts, and the steps of its functions there: at its place, or, if it explains enough more, in all
-/// coordinates at once, of which the one is named where it is largest in units of the noise. A frame that moves in a direction
-/// of its own looks like the leg that moves the platform most like it.
-fn where_it_acts(model: &Model, found: &Finding<'_>, functions: &DMatrix<f64>) -> (Place, Vec<f64>) {
-    let table = model.table();
-    let (places, w) = (table.coordinates.len(), functions.ncols());
-    let mut columns = DMatrix::zeros(table.r.len(), places * w);
-    for (sample, (first, n)) in table.rows.iter().enumerate().filter(|(k, _)| !model.kept.is_out(*k)) {
-        for row in *first..first + n {
-            for at in 0..places * w {
-                let unit = table.a_t[(table.column_of(Place::Coordinate(at / w)), row)];
-                columns[(row, at)] = functions[(sample, at % w)] * unit;
-            }
-        }
-    }
-    let square = columns.tr_mul(&columns);
-    let moment = columns.tr_mul(&model.residual);
-    let projected = model.projected(columns);
-    let asked = ScoreTest::of(&square, &projected.tr_mul(&projected), &moment, model.inflation());
-    let (gain, rank) = asked.gain();
-    // What a finding costs beside its columns, whole frames cost too.
-    let price =
-        rank as f64 + (worth(model, found.gain, found.rank as f64) - found.worth).max(0.0) / worth_of_one(model);
-    if rank > found.rank && worth(model, gain, price) > found.worth {
-        let values = asked.values();
-        let size = |k: usize| (0..w).map(|f| values[k * w + f].powi(2) * square[(k * w + f, k * w + f)]).sum::<f64>();
-        if let Some(k) = (0..places).max_by(|a, b| size(*a).total_cmp(&size(*b))) {
-            return (Place::Coordinate(k), values[k * w..(k + 1) * w].to_vec());
-        }
-    }
-    let steps = model.samples_at(found.place).ask(functions, w).first().map(ScoreTest::values);
-    (found.place, steps.unwrap_or_default())
-}
-
-/// What one parameter costs, nats.
-fn worth_of_one(model: &Model) -> f64 {
-    0.5 * model.noise.dof.ln()
 }
 
 /// The value of the covariate and what acts there, by sample and in the order of the covariate. A step is what takes the

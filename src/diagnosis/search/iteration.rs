@@ -60,6 +60,15 @@ impl SearchState {
         &self.model.kept
     }
 
+    /// The same where each row counts as one.
+    pub(crate) fn with_independent_rows(
+        &self,
+        subject: &Hypotheses<'_>,
+        names: Vec<Hypothesis>,
+    ) -> Result<Model, DiagnoseError> {
+        Model::fit(self.kept(), &subject.groups, names, &Fitting { inflation: 1.0, ..self.fitting })
+    }
+
     /// The model of the parameters and other names, of the same rows.
     pub(crate) fn with_names(&self, subject: &Hypotheses<'_>, names: Vec<Hypothesis>) -> Result<Model, DiagnoseError> {
         Model::fit(self.kept(), &subject.groups, names, &self.fitting)

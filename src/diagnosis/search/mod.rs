@@ -14,3 +14,4 @@ pub(crate) mod reweighting;
 pub(crate) mod stepwise;
 pub(crate) mod structure;
 pub(crate) mod unnamed;
+mod whole_frame;

@@ -11,7 +11,7 @@ use crate::diagnosis::linear::unit_motion::Place;
 use crate::diagnosis::search::covariates::{Covariate, DEGREE};
 
 /// Samples on either side of a jump.
-const FEW: usize = 3;
+pub(super) const FEW: usize = 3;
 /// Most waves of one covariate: from one to about 256 cycles over its range. Each is a pass over all samples, so that all
 /// of them up to the sampling limit would cost the square of the samples.
 const MOST_WAVES: usize = 512;
@@ -128,19 +128,19 @@ pub(crate) fn jumps<'a>(
     covariates: &[Prepared<'a>],
     found: &mut Vec<Finding<'a>>,
 ) {
-    let samples = model.table().samples();
     for c in covariates.iter().filter(|c| c.concerns(place) && c.covariate.asked.jumps) {
         let values = &c.covariate.values;
-        for (at, gain) in here.gains_from(&c.order).into_iter().enumerate().skip(FEW) {
+        let order: Vec<usize> = c.order.iter().copied().filter(|k| !model.kept.is_out(*k)).collect();
+        for (at, gain) in here.gains_from(&order).into_iter().enumerate().skip(FEW) {
             // Equal values stay together, and a few samples at either end are outliers and no step.
-            if values[c.order[at]] == values[c.order[at - 1]] || at + FEW > samples {
+            if values[order[at]] == values[order[at - 1]] || at + FEW > order.len() {
                 continue;
             }
             if let Some(gain) = gain {
                 let jump = Finding::of(UnknownTest::Jump, model, (c.covariate, place), (gain, 1), 1.0);
                 // The place is chosen among all samples.
-                let from = Some(0.5 * (values[c.order[at - 1]] + values[c.order[at]]));
-                found.push(Finding { worth: jump.worth - (samples as f64).ln(), from, ..jump });
+                let from = Some(0.5 * (values[order[at - 1]] + values[order[at]]));
+                found.push(Finding { worth: jump.worth - (order.len() as f64).ln(), from, ..jump });
             }
         }
     }

@@ -42,14 +42,14 @@ fn rigid(drawn: &[Vector3<f64>; 4], seen: &[Option<Vector3<f64>>; 4]) -> (Rotati
     (turn, b0 - turn * a0)
 }
 
-/// A measurement file of the poses of a mirror, relative to the mean of its whole rows.
+/// A measurement file of the poses of a mirror, relative to the mean of its whole rows. Two corners do not hold a body.
 fn poses(rows: &[Row]) -> String {
     let whole: Vec<[Vector3<f64>; 4]> =
         rows.iter().filter_map(|r| Some([r.corners[0]?, r.corners[1]?, r.corners[2]?, r.corners[3]?])).collect();
     let drawn: [Vector3<f64>; 4] =
         std::array::from_fn(|k| whole.iter().map(|r| r[k]).sum::<Vector3<f64>>() / whole.len() as f64);
     let mut text = String::from("elevation_deg,direction,x_um,y_um,z_um,rx_arcsec,ry_arcsec,rz_arcsec\n");
-    for row in rows {
+    for row in rows.iter().filter(|row| row.corners.iter().flatten().count() >= 3) {
         let (turn, shift) = rigid(&drawn, &row.corners);
         let (rx, ry, rz) = turn.euler_angles();
         write!(text, "{},{}", row.elevation, row.direction).unwrap();
