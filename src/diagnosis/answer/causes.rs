@@ -55,7 +55,7 @@ pub(crate) fn causes(
             variance,
         };
         let tied_with = named.rivals()?;
-        let lambda_limit = lambda(own.rank, tests, own.places);
+        let lambda_limit = lambda(&without, own.rank, tests, own.places);
         let size = (own.gain / without.noise.variance_after(own.gain, own.rank as f64) / lambda_limit).sqrt();
         let weight = state.fitting.scale * state.fitting.scale;
         let not_excluded = unseen.alike(&without, subject, own, weight)?;

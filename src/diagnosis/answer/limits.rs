@@ -10,9 +10,10 @@ use crate::diagnosis::linear::score_test::ABSORBED;
 use crate::diagnosis::linear::statistics::detection_limit;
 use crate::diagnosis::search::stepwise::LEVEL;
 
-/// `λ` that an effect must reach, with `tests` effects in the catalogue and so many places of its own.
-pub(crate) fn lambda(rank: usize, tests: usize, places: usize) -> f64 {
-    detection_limit(rank.max(1), LEVEL / (tests * places.max(1)) as f64)
+/// `λ` that an effect must reach beside a model, with `tests` effects in the catalogue and so many places of its own.
+pub(crate) fn lambda(model: &Model, rank: usize, tests: usize, places: usize) -> f64 {
+    let p = rank.max(1);
+    detection_limit(p, LEVEL / (tests * places.max(1)) as f64, model.noise.dof - p as f64)
 }
 
 /// The limit of the first parameter of an effect alone; `None` if the data do not see it. Where places are tried out, that
@@ -32,7 +33,7 @@ pub(crate) fn limit(model: &Model, groups: &[EffectColumns], group: usize, tests
     }
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (s, rank) = seen[seen.len() / 2];
-    let lambda = lambda(rank, tests, places);
+    let lambda = lambda(model, rank, tests, places);
     let parameter = &groups[group].parameters[0];
     Some(NotFound {
         effect: groups[group].effect.name().into(),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::DVector;
-use statrs::distribution::ChiSquared;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::diagnosis::error::DiagnoseError;
 use crate::diagnosis::linear::hypotheses::EffectColumns;
@@ -56,7 +56,8 @@ impl Quantiles {
     }
 
     fn at(&mut self, n: usize) -> f64 {
-        let quantile = || ChiSquared::new(n as f64).map_or(f64::INFINITY, |d| upper_quantile(&d, self.probability));
+        let quantile =
+            || ChiSquared::new(n as f64).map_or(f64::INFINITY, |d| upper_quantile(|x| d.sf(x), self.probability));
         *self.by_rows.entry(n).or_insert_with(quantile)
     }
 }
