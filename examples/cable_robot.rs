@@ -50,7 +50,8 @@ pub fn run(folder: &Path) -> Result<[f64; 3], Box<dyn Error>> {
     let anchor = |[x, y]: [f64; 2]| Vector3::new(x - FIRST[0] + first[3], y - FIRST[1] + first[4], 0.0);
     let segments = ANCHORS.map(|a| Segment { platform: Vector3::zeros(), base: anchor(a) });
     // Joints are cable lengths: drum angle times radius. Only the anchors are identified.
-    let cable = |segments: &[usize]| Cable { segments: segments.into(), drum: None, offset: 0.0, stroke: None };
+    let cable =
+        |segments: &[usize]| Cable { segments: segments.into(), drum: None, build_up: None, offset: 0.0, stroke: None };
     let robot = PlanarCables::new("cable robot", &segments, &CABLES.map(cable), home, None)?;
     let robot = robot.identifying(|p| p.name.contains('B'))?;
 

@@ -48,6 +48,7 @@ impl Kind for Cables {
             |v: &[f64]| Segment { platform: Vector3::new(v[0], v[1], 0.0), base: Vector3::new(v[2], v[3], 0.0) };
         let cable = |(k, v): (usize, &[f64])| Cable {
             segments: vec![k; self.times[k]],
+            build_up: None,
             drum: Some(v[5]),
             offset: v[4],
             stroke: None,

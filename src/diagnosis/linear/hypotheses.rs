@@ -247,7 +247,12 @@ impl<'a> Hypotheses<'a> {
         problem.scale_noise(point.scale);
         let start = problem.first_guess();
         // The search goes on with linear steps of its own, so that this one may end early.
-        let options = LeastSquaresOptions { gradient_tolerance: 1e-4, step_tolerance: 1e-9, ..Default::default() };
+        let options = LeastSquaresOptions {
+            gradient_tolerance: 1e-4,
+            step_tolerance: 1e-9,
+            max_iterations: MOST_STEPS,
+            ..Default::default()
+        };
         let solution = match least_squares(&mut problem, start, LeastSquaresMethod::LevenbergMarquardt, &options) {
             Ok(solution) => solution,
             // The last point is a start like another.
@@ -266,6 +271,8 @@ impl<'a> Hypotheses<'a> {
     }
 }
 
+/// Steps of a fit: three to ten lead to where there is something to find.
+const MOST_STEPS: u64 = 40;
 /// Samples that are linearized at once: their Jacobian is a second copy of their columns.
 const AT_ONCE: usize = 512;
 

@@ -15,6 +15,8 @@ use crate::measurement::{Dataset, MeasurementModel, Noise, PoseMeasurement};
 const ABOVE: f64 = 2.5;
 /// A reading must make what is left this many times smaller, and leave at most this many times the noise.
 const BETTER: f64 = 2.0;
+/// The least part of the noise that is left beside the parameters.
+const LEAST: f64 = 0.6;
 /// One of so many rows may be left out.
 const MOST_OUT: usize = 10;
 /// Readings for which effects are looked for.
@@ -36,7 +38,8 @@ pub(crate) fn misread_beside_effects(
     let noise = &question.data.noise;
     let as_stated = left(&found.after, noise);
     let suspicious = as_stated > ABOVE || found.causes.iter().any(|c| !c.plausible);
-    if !noise.known || !suspicious {
+    // What is left is never much less than the noise, so that there may be nothing to gain.
+    if !noise.known || !suspicious || as_stated < BETTER * LEAST {
         return None;
     }
     let trial = Trial::new(question.mechanism, question.data, &question.convention)?;

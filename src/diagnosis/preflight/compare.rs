@@ -18,6 +18,8 @@ use crate::pose::PoseConvention;
 
 /// A reading must make what is left this many times smaller.
 const BETTER: f64 = 2.0;
+/// The least part of the noise that is left beside the parameters.
+const LEAST: f64 = 0.6;
 /// A second mistake must make what the first leaves this many times smaller.
 const SECOND: f64 = 1.6;
 /// Readings that leave up to this many times as much fit as well.
@@ -42,6 +44,10 @@ type Scored = (Reading, Score);
 pub(crate) fn preflight(mechanism: &dyn Mechanism, data: &Dataset, convention: &PoseConvention) -> Option<Misread> {
     let trial = Trial::new(mechanism, data, convention)?;
     let at_first = stated(&trial, &trial.few, Look::First);
+    // No reading leaves much less than the noise.
+    if at_first.as_ref().is_some_and(|s| s.value < BETTER * LEAST * trial.of_noise()) {
+        return None;
+    }
     let mut found = in_base(&trial, &at_first);
     let fits = |found: &[Scored]| found.iter().any(|(_, s)| s.value < NOISE);
     // Beside a fair fit, what is left is more likely an effect than two mistakes.

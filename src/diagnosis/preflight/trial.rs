@@ -110,6 +110,12 @@ impl<'a> Trial<'a> {
         regress(self.mechanism, &asked, &stated, self.reached)
     }
 
+    /// Median length of the noise of a row, whitened.
+    pub(crate) fn of_noise(&self) -> f64 {
+        // That of χ² is two thirds below its degrees of freedom.
+        (self.weights.iter().filter(|w| **w > 0.0).count() as f64 - 2.0 / 3.0).sqrt()
+    }
+
     /// The score of a reading in given frames; `None` where most rows have no number. `drawn` holds the zeros of the joints where
     /// they are drawn.
     pub(crate) fn score(

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::mechanism::calibration::CalibrationSection;
 use crate::files::mechanism::sections::{
-    ActuatorSection, CableEntry, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection, NoiseSection,
-    OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry, ToleranceSection,
-    WorkspaceSection,
+    ActuatorSection, CableEntry, DeltaSection, EffectEntry, GravityAxis, HomeSection, LegEntry, MountingSection,
+    NoiseSection, OffsetSection, ParameterEntry, PlaneSection, PlatformSection, SensorEntry, TargetEntry,
+    ToleranceSection, WorkspaceSection,
 };
 use crate::pose::RotationOrder;
 
@@ -46,6 +46,10 @@ pub struct MechanismDocument {
     /// The cables in order.
     #[serde(default, rename = "cable")]
     pub cables: Vec<CableEntry>,
+    /// A linear delta by the numbers of its firmware, instead of legs.
+    pub delta: Option<DeltaSection>,
+    /// In a calibrated file: the same by which poses are commanded.
+    pub nominal_delta: Option<DeltaSection>,
     /// In a calibrated file of another kind than six hardpoints: the legs by which poses are commanded.
     #[serde(default, rename = "nominal_leg")]
     pub nominal_legs: Vec<LegEntry>,

@@ -43,6 +43,12 @@ pub struct LegEntry {
     /// Two small tilts of a hinge about its nominal axis.
     #[serde(default)]
     pub hinge_tilt: [f64; 2],
+    /// Number of the motor whose crank moves a rod, from 1.
+    pub motor: Option<usize>,
+    /// Radius of the pulley over which a cable comes in at the base.
+    pub pulley: Option<f64>,
+    /// Direction in which it comes in, along the axis about which the pulley swivels, base frame; +z if absent.
+    pub swivel: Option<[f64; 3]>,
     /// Number of the carriage of a rod, from 1.
     pub carriage: Option<usize>,
     /// Direction in which a carriage counts, base frame.
@@ -74,10 +80,38 @@ pub struct CableEntry {
     pub segments: Vec<usize>,
     /// Radius of its drum; without one the joint is the length of the cable.
     pub drum: Option<f64>,
+    /// By how much the radius of the drum grows in one turn.
+    pub build_up: Option<f64>,
     /// True change of length since home less the read one.
     #[serde(default)]
     pub length_offset: f64,
     /// Allowed readings.
+    pub stroke: Option<[f64; 2]>,
+}
+
+/// A number of each tower of `[delta]`, or one for all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum PerTowerEntry {
+    /// One for all three.
+    Shared(f64),
+    /// One for each.
+    Each([f64; 3]),
+}
+
+/// `[delta]`: a linear delta by the numbers of its firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeltaSection {
+    /// Height of each carriage at coordinate zero.
+    pub endstop: PerTowerEntry,
+    /// Radius of each tower less that of the effector.
+    pub tower_radius: PerTowerEntry,
+    /// Direction of each tower, from x to y.
+    pub tower_angle: [f64; 3],
+    /// Length of each arm.
+    pub arm: PerTowerEntry,
+    /// Allowed coordinates of the carriages.
     pub stroke: Option<[f64; 2]>,
 }
 

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crate::files::mechanism::calibration::CalibrationSection;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::sections::{
-    CableEntry, EffectEntry, GravityAxis, LegEntry, OffsetSection, PlaneSection, SensorEntry,
+    CableEntry, DeltaSection, EffectEntry, GravityAxis, LegEntry, OffsetSection, PerTowerEntry, PlaneSection,
+    SensorEntry,
 };
 use crate::files::table::writer::number;
 use crate::pose::RotationOrder;
@@ -43,6 +44,9 @@ impl MechanismDocument {
         }
         for (name, cables) in [("cable", &self.cables), ("nominal_cable", &self.nominal_cables)] {
             cables.iter().for_each(|cable| text += &cable.to_text(name));
+        }
+        for (name, delta) in [("delta", &self.delta), ("nominal_delta", &self.nominal_delta)] {
+            delta.iter().for_each(|delta| text += &delta.to_text(name));
         }
         for p in &self.parameters {
             text += &format!("\n[[parameter]]\nname = {}\nvalue = {}\n", quoted(&p.name), number(p.value));
@@ -125,6 +129,9 @@ impl LegEntry {
         text += &line("zero", self.zero.map(|v| list(&v)));
         text += &line("angle_offset", not_zero(self.angle_offset));
         text += &line("hinge_tilt", (self.hinge_tilt != [0.0; 2]).then(|| list(&self.hinge_tilt)));
+        text += &line("motor", self.motor.map(|k| k.to_string()));
+        text += &line("pulley", self.pulley.map(number));
+        text += &line("swivel", self.swivel.map(|v| list(&v)));
         text += &line("carriage", self.carriage.map(|k| k.to_string()));
         text += &line("rail", self.rail.map(|v| list(&v)));
         text += &line("stroke", self.stroke.map(|v| list(&v)));
@@ -141,7 +148,23 @@ impl CableEntry {
         let segments: Vec<String> = self.segments.iter().map(usize::to_string).collect();
         let mut text = format!("\n[[{section}]]\nsegments = [{}]\n", segments.join(", "));
         text += &line("drum", self.drum.map(number));
+        text += &line("build_up", self.build_up.map(number));
         text += &line("length_offset", (self.length_offset != 0.0).then(|| number(self.length_offset)));
+        text + &line("stroke", self.stroke.map(|v| list(&v)))
+    }
+}
+
+impl DeltaSection {
+    fn to_text(self, section: &str) -> String {
+        let per_tower = |entry: PerTowerEntry| match entry {
+            PerTowerEntry::Shared(value) => number(value),
+            PerTowerEntry::Each(values) => list(&values),
+        };
+        let mut text = format!("\n[{section}]\n");
+        text += &line("endstop", Some(per_tower(self.endstop)));
+        text += &line("tower_radius", Some(per_tower(self.tower_radius)));
+        text += &line("tower_angle", Some(list(&self.tower_angle)));
+        text += &line("arm", Some(per_tower(self.arm)));
         text + &line("stroke", self.stroke.map(|v| list(&v)))
     }
 }

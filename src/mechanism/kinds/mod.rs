@@ -3,24 +3,32 @@
 //! | kind | rows of the closure | joints | parameters of a leg |
 //! |---|---|---|---|
 //! | [`RotaryStewart`] (6-RSS) | `\|t + R aᵢ - bᵢ - rᵢ (cos φᵢ uᵢ + sin φᵢ vᵢ)\| - sᵢ`, `φᵢ = hᵢ + oᵢ` | six crank angles | `a b s r o` |
+//! | [`RotaryDelta`] | the same for six rods, two to a crank | three crank angles | `a b s` of a rod, `r o` of a crank |
 //! | [`LinearDelta`] | `\|t + R aᵢ - bᵢ - h_k d_k\| - sᵢ` for six rods, two to a carriage `k` | three carriages | `a b s` |
+//! | [`TiedDelta`] | `\|t - (ρ_k cos θ_k, ρ_k sin θ_k, h_k + e_k)\| - s_k`, and no turns | three carriages | endstop, radius, angle, arm |
+//! | [`SixCarriages`] (6-PUS) | as the linear delta with a carriage to each rod | six carriages | `a b s` |
 //! | [`Tripod`] (3-RPS) | `\|lᵢ\| - (hᵢ + oᵢ)` and `nᵢ · lᵢ`, `lᵢ = t + R aᵢ - bᵢ` | three lengths | `a b o` and the tilt `m n` of the hinge |
+//! | [`Cables`] | `Σ_k w_jk (l_k - l_k₀) - (ρ_j h_j + ½ κ_j h_j² + o_j)` | cables, or angles of their drums | `a b` of a segment, `o ρ κ` of a cable |
 //! | [`PlanarCables`] | `Σ_k w_jk (\|l_k\| - \|l_k\|₀) - (ρ_j h_j + o_j)` and the plane | cables, or angles of their drums | `a b` of a segment, `o ρ` of a cable |
 //!
 //! The rods of a delta are six, and its pose is that of a free body: rods that are not quite parallel tilt the platform,
-//! which a model with three rods cannot say. The last two kinds are of lower mobility; structural rows keep the
-//! other coordinates. Directions (`u`, `v`, `d`, the nominal `n`) are constants of the drawing.
+//! which a model with three rods cannot say; [`TiedDelta`] is that model, with the numbers that firmware has. Where joints control
+//! fewer than six coordinates, structural rows keep the others. Directions (`u`, `v`, `d`, the nominal `n`) are constants of the drawing.
 //!
 //! Every kind has a `new` that takes typed legs in SI and gives a [`ClosureMechanism`].
 
-mod linear_delta;
+mod cables;
 mod planar_cables;
-mod rotary_stewart;
+mod rods_on_cranks;
+mod rods_on_rails;
+mod tied_delta;
 mod tripod;
 
-pub use linear_delta::{LinearDelta, Rod};
+pub use cables::{Cables, Pulley};
 pub use planar_cables::{Cable, PlanarCables, Segment};
-pub use rotary_stewart::{CrankLeg, RotaryStewart};
+pub use rods_on_cranks::{CrankLeg, RodsOnCranks, RotaryDelta, RotaryStewart};
+pub use rods_on_rails::{LinearDelta, Rod, RodsOnRails, SixCarriages};
+pub use tied_delta::{PerTower, TiedDelta, Towers};
 pub use tripod::{HingedLeg, Tripod};
 
 use nalgebra::Vector3;

@@ -24,6 +24,8 @@ pub struct Cable {
     pub segments: Vec<usize>,
     /// Radius of its drum: the joint is then the angle of the drum, else the length of the cable.
     pub drum: Option<f64>,
+    /// By how much the radius of the drum grows in one turn; `None` if it does not.
+    pub build_up: Option<f64>,
     /// True change of length since home less the read one.
     pub offset: f64,
     /// Smallest and largest reading.
@@ -107,6 +109,10 @@ impl PlanarCables {
             let role = ParameterRole::JointOffset { leg };
             let name = format!("o{}", leg + 1);
             outline = outline.parameter(name, Dimension::Length, cable.offset, sigma(|t| t.length), role);
+            if cable.build_up.is_some() {
+                let problem = format!("cable {}: drums that grow are those of cables in space", leg + 1);
+                return Err(GeometryError::Outline(problem));
+            }
             let (dimension, near) = match cable.drum {
                 Some(radius) => {
                     positive(leg, "drum", radius)?;
@@ -139,7 +145,7 @@ impl PlanarCables {
 }
 
 /// How often a cable runs along each segment.
-fn weights(leg: usize, cable: &Cable, segments: usize) -> Result<Vec<f64>, GeometryError> {
+pub(super) fn weights(leg: usize, cable: &Cable, segments: usize) -> Result<Vec<f64>, GeometryError> {
     let mut weights = vec![0.0; segments];
     for k in &cable.segments {
         let Some(weight) = weights.get_mut(*k) else {

@@ -2,7 +2,8 @@
 
 use paracal::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
 use paracal::mechanism::kinds::{
-    Cable, CrankLeg, HingedLeg, LinearDelta, PlanarCables, Rod, RotaryStewart, Segment, Tolerances, Tripod,
+    Cable, CrankLeg, HingedLeg, LinearDelta, PlanarCables, Rod, RodsOnCranks, RodsOnRails, RotaryStewart, Segment,
+    Tolerances, Tripod,
 };
 use paracal::mechanism::{Leg, ParameterRole, Workspace};
 use paracal::nalgebra::Vector3;
@@ -22,7 +23,7 @@ pub fn about(home: &Pose, half: [f64; 6]) -> Workspace {
 }
 
 /// Six cranks on the base, in pairs that face away from each other.
-pub fn rotary() -> ClosureMechanism<RotaryStewart> {
+pub fn rotary() -> ClosureMechanism<RodsOnCranks> {
     let home = Pose::from_coordinates(&[0.0, 0.0, 0.22, 0.0, 0.0, 0.0]);
     let legs: Vec<CrankLeg> = (0..6)
         .map(|i| {
@@ -47,7 +48,7 @@ pub fn rotary() -> ClosureMechanism<RotaryStewart> {
 }
 
 /// Three vertical rails with two rods each.
-pub fn delta() -> ClosureMechanism<LinearDelta> {
+pub fn delta() -> ClosureMechanism<RodsOnRails> {
     let home = Pose::from_coordinates(&[0.0, 0.0, 0.1, 0.0, 0.0, 0.0]);
     let rods: Vec<Rod> = (0..6)
         .map(|i| {
@@ -97,7 +98,8 @@ pub fn cables() -> ClosureMechanism<PlanarCables> {
     ]
     .map(|(platform, base)| Segment { platform, base })
     .into();
-    let cable = |segments: &[usize], drum| Cable { segments: segments.into(), drum, offset: 0.0, stroke: None };
+    let cable =
+        |segments: &[usize], drum| Cable { segments: segments.into(), drum, build_up: None, offset: 0.0, stroke: None };
     let cables =
         [cable(&[0], Some(0.03)), cable(&[1], Some(0.03)), cable(&[2], Some(0.03)), cable(&[3, 3], Some(0.04))];
     PlanarCables::new("planar cable robot", &segments, &cables, home, Some(TOLERANCES)).unwrap()
@@ -138,7 +140,7 @@ pub fn hardpoint(legs: &[Leg], home: Pose) -> ClosureMechanism<Hardpoint> {
     ClosureMechanism::new(Hardpoint { lengths: legs.iter().map(|l| l.length).collect() }, outline).unwrap()
 }
 
-/// The four kinds with a box to work in.
+/// The kinds with a box to work in.
 pub fn all() -> Vec<(Box<dyn paracal::mechanism::Mechanism>, Workspace)> {
     let (r, d, t, c) = (rotary(), delta(), tripod(), cables());
     let home = |m: &dyn paracal::mechanism::Mechanism| m.home();
@@ -149,5 +151,9 @@ pub fn all() -> Vec<(Box<dyn paracal::mechanism::Mechanism>, Workspace)> {
         about(&home(&c), [0.3, 0.3, 0.0, 0.0, 0.0, 0.2]),
     ];
     let kinds: [Box<dyn paracal::mechanism::Mechanism>; 4] = [Box::new(r), Box::new(d), Box::new(t), Box::new(c)];
-    kinds.into_iter().zip(boxes).collect()
+    let of_files = ["rotary-delta", "six-carriages", "cables", "delta-printer"].map(|name| {
+        let machine = super::machine(name);
+        (machine.mechanism, machine.workspace.unwrap())
+    });
+    kinds.into_iter().zip(boxes).chain(of_files).collect()
 }

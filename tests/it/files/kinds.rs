@@ -1,4 +1,4 @@
-//! The four kinds from file to file: choose poses, simulate, calibrate, evaluate, compensate.
+//! The kinds from file to file: choose poses, simulate, calibrate, evaluate, compensate.
 
 use std::path::Path;
 
@@ -11,7 +11,16 @@ use paracal::mechanism::Mechanism;
 use paracal::pose::Pose;
 use serde_json::Value;
 
-const KINDS: [&str; 4] = ["rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables"];
+const KINDS: [&str; 8] = [
+    "rotary-stewart",
+    "rotary-delta",
+    "linear-delta",
+    "delta-printer",
+    "six-carriages",
+    "tripod-3rps",
+    "cables",
+    "planar-cables",
+];
 
 /// A folder with the bundled file of a kind as `m.toml`, poses, data of a mechanism with drawn errors, and that
 /// mechanism.
@@ -185,11 +194,42 @@ fn what_is_wrong_with_a_kind_is_named() {
     refused("planar-cables", "segments = [1]", "segments = []", &["cable 1 has no segment"]);
     refused("planar-cables", "drum = 30.0", "drum = 0.0", &["cable 1, `drum`", "must be positive"]);
     refused("planar-cables", "rotation = [0.0, 0.0, 0.0]", "rotation = [1.0, 0.0, 0.0]", &["plane z = constant"]);
+    refused("planar-cables", "drum = 30.0", "drum = 30.0\nbuild_up = 0.1", &["cable 1", "those of cables in space"]);
+    refused("rotary-delta", "motor = 1\n", "", &["leg 1, `motor`", "is missing", "rotary-delta"]);
+    refused("rotary-delta", "motor = 1", "motor = 4", &["leg 1, `motor`", "4 is not 1, 2 or 3"]);
+    refused("rotary-delta", "motor = 1", "motor = 2", &["motor 1 has 1 rods", "two on each of three"]);
+    refused("rotary-delta", "crank = 200.0", "crank = 201.0", &["legs 1 and 2", "same motor", "different cranks"]);
+    refused("six-carriages", "length = 500.0", "length = 50.0", &["leg 1", "does not reach the platform at home"]);
+    refused("six-carriages", "length = 500.0\n", "length = 500.0\ncarriage = 1\n", &["`carriage`", "does not apply"]);
+    refused("cables", "pulley = 30.0", "swivel = [0.0, 0.0, 1.0]", &["leg 1, `swivel`", "without `pulley`"]);
+    refused("cables", "pulley = 30.0", "pulley = -30.0", &["leg 1, `pulley`", "must be positive"]);
+    refused("cables", "drum = 50.0", "build_up = 0.1", &["cable 1, `build_up`", "without `drum`"]);
+    refused("delta-printer", "arm = [225.0, 225.0, 225.0]", "arm = 22.5", &["tower 1", "does not reach"]);
+    refused("delta-printer", "tower_radius = 105.0", "tower_radius = -105.0", &["tower_radius", "must be positive"]);
+    refused("delta-printer", "endstop = [0.0, 0.0, 0.0]", "endstop = [0.0, 0.0]", &["endstop"]);
+    refused(
+        "delta-printer",
+        "rotation = [0.0, 0.0, 0.0]",
+        "rotation = [1.0, 0.0, 0.0]",
+        &["does not turn", "zero rotations"],
+    );
+    let leg = "[[leg]]\nplatform = [0.0, 0.0, 0.0]\nbase = [0.0, 0.0, 0.0]\n\n[home]";
+    refused("delta-printer", "[home]", leg, &["[delta]", "stands beside [[leg]]"]);
 }
 
 #[test]
 fn an_unknown_kind_is_refused_with_the_list() {
-    let known = ["six-hardpoint", "rotary-stewart", "linear-delta", "tripod-3rps", "planar-cables", "pose"];
+    let known = [
+        "six-hardpoint",
+        "rotary-stewart",
+        "rotary-delta",
+        "linear-delta",
+        "six-carriages",
+        "tripod-3rps",
+        "cables",
+        "planar-cables",
+        "pose",
+    ];
     let quoted: Vec<String> = known.iter().map(|kind| format!("\"{kind}\"")).collect();
     let mut expected = vec!["'tripod-3rrs' is not a kind of mechanism"];
     expected.extend(quoted.iter().map(String::as_str));

@@ -7,7 +7,7 @@ use crate::common::bench::{Bench, says, strings};
 #[test]
 fn the_file_of_each_kind_is_inspected_without_a_warning() {
     let bench = Bench::empty();
-    assert_eq!(example_files().count(), 6);
+    assert_eq!(example_files().count(), 9);
     for example in example_files() {
         let printed = bench.done(&format!("new {}", example.kind));
         assert_eq!((printed.out.as_str(), printed.err.as_str()), (example.text, ""));
@@ -38,7 +38,7 @@ fn without_a_kind_they_are_listed() {
         says(&message, &[example.kind, example.label]);
     }
     let message = bench.exits(2, "new hexapod").err;
-    says(&message, &["'hexapod'", "six-hardpoint, rotary-stewart"]);
+    says(&message, &["'hexapod'", "six-hardpoint, rotary-stewart, rotary-delta"]);
 }
 
 #[test]

@@ -10,9 +10,9 @@ use crate::conditions::Conditions;
 use crate::files::error::FileError;
 use crate::files::mechanism::document::MechanismDocument;
 use crate::files::mechanism::reader::Reader;
-use crate::files::mechanism::sections::{CableEntry, LegEntry};
+use crate::files::mechanism::sections::{CableEntry, DeltaSection, LegEntry, PerTowerEntry};
 use crate::mechanism::closure::{Closure, ClosureMechanism};
-use crate::mechanism::kinds::Tolerances;
+use crate::mechanism::kinds::{PerTower, Tolerances};
 use crate::mechanism::{Mechanism, ParameterRole, ParameterSpec};
 use crate::pose::{Pose, RotationOrder};
 
@@ -25,6 +25,7 @@ pub(super) struct Drawing<'a> {
     pub(super) name: &'a str,
     pub(super) legs: &'a [LegEntry],
     pub(super) cables: &'a [CableEntry],
+    pub(super) delta: Option<&'a DeltaSection>,
     pub(super) home: Pose,
     pub(super) tolerances: Option<Tolerances>,
 }
@@ -47,12 +48,13 @@ pub(super) fn read<C: Closure>(
         );
     };
     let home = convention.pose(&home);
-    let draw = |legs, cables, home| {
+    let draw = |legs, cables, delta, home| {
         kind.check_keys(r, legs)?;
-        let drawing = Drawing { r, name: &document.name, legs, cables, home, tolerances: tolerances(r, document)? };
+        let tolerances = tolerances(r, document)?;
+        let drawing = Drawing { r, name: &document.name, legs, cables, delta, home, tolerances };
         identified(r, document, &make(&drawing)?)
     };
-    let drawn = draw(&document.legs, &document.cables, home)?;
+    let drawn = draw(&document.legs, &document.cables, document.delta.as_ref(), home)?;
     if convention.order != RotationOrder::default() && drawn.controlled() != [true; 6] {
         let problem = format!("must be \"zyx\" for type \"{name}\", whose joints control some of these angles only");
         return Err(r.value("rotation_order", problem));
@@ -66,7 +68,7 @@ pub(super) fn read<C: Closure>(
     if document.nominal_legs.is_empty() && !document.nominal_cables.is_empty() {
         return Err(r.value("[[nominal_cable]]", "belongs to [[nominal_leg]]; state both, or neither"));
     }
-    let nominal = match document.nominal_legs.is_empty() {
+    let nominal = match document.nominal_legs.is_empty() && document.nominal_delta.is_none() {
         true => None,
         false => {
             let home = match &document.nominal_home {
@@ -74,7 +76,7 @@ pub(super) fn read<C: Closure>(
                 None => home,
             };
             let cables = if document.nominal_cables.is_empty() { &document.cables } else { &document.nominal_cables };
-            Some(draw(&document.nominal_legs, cables, home)?)
+            Some(draw(&document.nominal_legs, cables, document.nominal_delta.as_ref(), home)?)
         }
     };
     warned.extend(outside_strokes(r, mechanism.as_ref()));
@@ -123,12 +125,22 @@ fn tolerances(r: &Reader<'_>, document: &MechanismDocument) -> Result<Option<Tol
         let n = document.legs.len().max(1) as f64;
         document.legs.iter().map(|l| r.units.length.to_si(Vector3::from_column_slice(point(l)).norm())).sum::<f64>() / n
     };
-    let radius = Some(radii(|l| &l.platform)).filter(|v| *v > 0.0).unwrap_or_else(|| radii(|l| &l.base));
+    let towers = document.delta.map(|d| r.units.length.to_si(per_tower(d.tower_radius).of(0)));
+    let of_legs = || Some(radii(|l| &l.platform)).filter(|v| *v > 0.0).unwrap_or_else(|| radii(|l| &l.base));
+    let radius = towers.unwrap_or_else(of_legs);
     Ok(Some(Tolerances {
         anchor,
         length,
         angle: angle.map_or(anchor / radius.max(f64::MIN_POSITIVE), |v| r.units.angle.to_si(v)),
     }))
+}
+
+/// Numbers of towers as a file has them, in its units.
+pub(super) fn per_tower(entry: PerTowerEntry) -> PerTower {
+    match entry {
+        PerTowerEntry::Shared(value) => PerTower::Shared(value),
+        PerTowerEntry::Each(values) => PerTower::Each(values),
+    }
 }
 
 /// The mechanism with the parameters that `identify` asks for.
@@ -169,9 +181,10 @@ pub(super) fn write<C: Closure>(
     put: Put,
 ) -> bool {
     let Some(made) = (mechanism as &dyn Any).downcast_ref::<ClosureMechanism<C>>() else { return false };
-    if document.nominal_legs.is_empty() {
+    if document.nominal_legs.is_empty() && document.nominal_delta.is_none() {
         document.nominal_legs = document.legs.clone();
         document.nominal_cables = document.cables.clone();
+        document.nominal_delta = document.delta;
         document.nominal_home = document.home.clone();
     }
     for (spec, value) in made.outline().parameters.iter().zip(made.all_values()) {

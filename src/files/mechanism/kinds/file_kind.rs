@@ -55,9 +55,11 @@ pub(crate) struct Target {
 }
 
 /// Parts of a file that mean nothing for some kinds, and whether a document has them.
-fn special_parts(document: &MechanismDocument) -> [(&'static str, bool); 8] {
+fn special_parts(document: &MechanismDocument) -> [(&'static str, bool); 10] {
     [
         ("[[leg]]", !document.legs.is_empty()),
+        ("[delta]", document.delta.is_some()),
+        ("[nominal_delta]", document.nominal_delta.is_some()),
         ("[[cable]]", !document.cables.is_empty()),
         ("[[nominal_leg]]", !document.nominal_legs.is_empty()),
         ("[[nominal_cable]]", !document.nominal_cables.is_empty()),
@@ -89,6 +91,9 @@ impl FileKind {
                 ("crank", leg.crank.is_some()),
                 ("axis", leg.axis.is_some()),
                 ("zero", leg.zero.is_some()),
+                ("motor", leg.motor.is_some()),
+                ("pulley", leg.pulley.is_some()),
+                ("swivel", leg.swivel.is_some()),
                 ("carriage", leg.carriage.is_some()),
                 ("rail", leg.rail.is_some()),
                 ("length_offset", leg.length_offset != 0.0),

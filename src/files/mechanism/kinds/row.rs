@@ -52,6 +52,16 @@ impl Row<'_> {
         Ok(v.into())
     }
 
+    /// A number from 1 to `most` that must be stated; the same from 0.
+    pub(super) fn number(&self, key: &str, v: Option<usize>, most: usize) -> Result<usize, FileError> {
+        let stated = v.unwrap_or(0);
+        if (1..=most).contains(&stated) {
+            return Ok(stated - 1);
+        }
+        let words = if most == 3 { "1, 2 or 3".to_owned() } else { format!("a number from 1 to {most}") };
+        Err(self.r.value(self.place(key), format!("{stated} is not {words}")))
+    }
+
     pub(super) fn stroke(&self, stroke: Option<[f64; 2]>, dimension: Dimension) -> Result<Option<[f64; 2]>, FileError> {
         let Some([from, to]) = stroke else { return Ok(None) };
         if !(from < to && from.is_finite() && to.is_finite()) {

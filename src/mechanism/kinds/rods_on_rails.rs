@@ -1,4 +1,5 @@
-//! Six rods on three carriages: the linear delta, with its parallelograms as they are.
+//! Six rods of fixed length on carriages: one carriage to each (6-PUS, the hexaglide), or one to two (the linear delta, with
+//! its parallelograms as they are).
 
 use nalgebra::Vector3;
 
@@ -17,7 +18,7 @@ pub struct Rod {
     pub base: Vector3<f64>,
     /// Its length.
     pub length: f64,
-    /// Its carriage, from 0 to 2; each has two rods.
+    /// Its carriage, from 0.
     pub carriage: usize,
     /// Direction in which the carriage's coordinate counts, base frame; any length.
     pub rail: Vector3<f64>,
@@ -25,15 +26,22 @@ pub struct Rod {
     pub stroke: Option<[f64; 2]>,
 }
 
-/// Closure of six rods on three carriages.
+/// Closure of six rods on carriages.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LinearDelta {
+pub struct RodsOnRails {
     /// Carriage of each rod, and the direction of its rail.
     rails: Vec<(usize, Vector3<f64>)>,
 }
 
+/// Three carriages with two rods each.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearDelta;
+
+/// Six carriages with one rod each.
+#[derive(Clone, Copy, Debug)]
+pub struct SixCarriages;
+
 const RODS: usize = 6;
-const CARRIAGES: usize = 3;
 const PER_ROD: usize = 7;
 
 impl LinearDelta {
@@ -49,9 +57,42 @@ impl LinearDelta {
         rods: &[Rod],
         home: Pose,
         tolerances: Option<Tolerances>,
-    ) -> Result<ClosureMechanism<Self>, GeometryError> {
+    ) -> Result<ClosureMechanism<RodsOnRails>, GeometryError> {
         count("linear delta", "rods", RODS, rods.len())?;
-        let mut outline = Outline::new(name, RODS, home).controls([true, true, true, false, false, false]);
+        let outline = Outline::new(name, RODS, home).controls([true, true, true, false, false, false]);
+        RodsOnRails::on_carriages(outline, rods, 3, "a linear delta has two on each of three carriages", tolerances)
+    }
+}
+
+impl SixCarriages {
+    /// Six carriages, of which each moves one rod; `carriage` of a rod is its own number. The carriage positions at home are
+    /// chosen as for [`LinearDelta::new`].
+    ///
+    /// # Errors
+    /// [`GeometryError`] for anything but six rods, each on a carriage of its own, that reach home and hold the platform
+    /// there.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new(
+        name: &str,
+        rods: &[Rod],
+        home: Pose,
+        tolerances: Option<Tolerances>,
+    ) -> Result<ClosureMechanism<RodsOnRails>, GeometryError> {
+        count("machine of six carriages", "rods", RODS, rods.len())?;
+        let outline = Outline::new(name, RODS, home);
+        RodsOnRails::on_carriages(outline, rods, RODS, "each of six carriages has one", tolerances)
+    }
+}
+
+impl RodsOnRails {
+    /// Rods that share so many carriages evenly.
+    fn on_carriages(
+        mut outline: Outline,
+        rods: &[Rod],
+        carriages: usize,
+        shared: &str,
+        tolerances: Option<Tolerances>,
+    ) -> Result<ClosureMechanism<Self>, GeometryError> {
         let mut rails = Vec::with_capacity(RODS);
         for (leg, rod) in rods.iter().enumerate() {
             positive(leg, "length", rod.length)?;
@@ -63,24 +104,25 @@ impl LinearDelta {
                 .base_point(leg, rod.base.into(), sigma(|t| t.anchor))
                 .parameter(format!("s{}", leg + 1), Dimension::Length, rod.length, sigma(|t| t.length), role);
         }
-        for carriage in 0..CARRIAGES {
-            let of_carriage: Vec<usize> = (0..RODS).filter(|k| rods[*k].carriage == carriage).collect();
-            let [first, second] = of_carriage[..] else {
-                return Err(GeometryError::Outline(format!(
-                    "carriage {} has {} rods; a linear delta has two on each of three carriages",
-                    carriage + 1,
-                    of_carriage.len()
-                )));
-            };
-            if (rails[first].1 - rails[second].1).norm() > 1e-9 || rods[first].stroke != rods[second].stroke {
-                return Err(GeometryError::Outline(format!(
-                    "legs {} and {} are on the same carriage but state different rails or strokes",
-                    first + 1,
-                    second + 1
-                )));
+        for carriage in 0..carriages {
+            let mine: Vec<usize> = (0..RODS).filter(|k| rods[*k].carriage == carriage).collect();
+            if mine.len() != RODS / carriages {
+                let (number, found) = (carriage + 1, mine.len());
+                let rods = if found == 1 { "rod" } else { "rods" };
+                return Err(GeometryError::Outline(format!("carriage {number} has {found} {rods}; {shared}")));
+            }
+            let first = mine[0];
+            for other in &mine[1..] {
+                if (rails[first].1 - rails[*other].1).norm() > 1e-9 || rods[first].stroke != rods[*other].stroke {
+                    return Err(GeometryError::Outline(format!(
+                        "legs {} and {} are on the same carriage but state different rails or strokes",
+                        first + 1,
+                        other + 1
+                    )));
+                }
             }
             let stroke = rods[first].stroke;
-            let near = carriage_at_home(&rods[first], &rails[first].1, &home).ok_or_else(|| {
+            let near = carriage_at_home(&rods[first], &rails[first].1, &outline.home).ok_or_else(|| {
                 GeometryError::Outline(format!("leg {}: its rod does not reach the platform at home", first + 1))
             })?;
             outline = outline.joint(format!("leg{}", carriage + 1), Dimension::Length, near, stroke);
@@ -100,7 +142,7 @@ fn carriage_at_home(rod: &Rod, rail: &Vector3<f64>, home: &Pose) -> Option<f64> 
     chosen.is_finite().then_some(chosen)
 }
 
-impl Closure for LinearDelta {
+impl Closure for RodsOnRails {
     fn residual<T: Real>(&self, s: &State<'_, T>, out: &mut [T]) {
         for (rod, (carriage, rail)) in self.rails.iter().enumerate() {
             let first = PER_ROD * rod;
