@@ -10,7 +10,7 @@ use crate::mechanism::{Linearization, Mechanism, MotionBlock, Workspace, charact
 use crate::pose::Pose;
 
 const POSES: usize = 20;
-/// Step of central differences, m and rad: their error is about the square of it.
+/// Step of central differences, m and rad.
 pub(super) const STEP: f64 = 1e-6;
 /// Names of the six small motions.
 pub(super) const MOTIONS: [&str; 6] = ["δt x", "δt y", "δt z", "δω x", "δω y", "δω z"];
@@ -198,13 +198,17 @@ fn refusals(m: &dyn Mechanism) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Central difference of `f` along entry `k` of `at`.
+/// Derivative of `f` along entry `k` of `at` by central differences of one and two steps: near a singularity, and of the radius
+/// of a drum that has turned often, the square of the step is not small.
 pub(super) fn differences(at: &[f64], k: usize, mut f: impl FnMut(&[f64]) -> DVector<f64>) -> DVector<f64> {
     let mut shifted = at.to_vec();
-    shifted[k] = at[k] + STEP;
-    let plus = f(&shifted);
-    shifted[k] = at[k] - STEP;
-    (plus - f(&shifted)) / (2.0 * STEP)
+    let mut across = |steps: f64| {
+        shifted[k] = at[k] + steps * STEP;
+        let ahead = f(&shifted);
+        shifted[k] = at[k] - steps * STEP;
+        ahead - f(&shifted)
+    };
+    (across(1.0) * 8.0 - across(2.0)) / (12.0 * STEP)
 }
 
 pub(super) fn compare(

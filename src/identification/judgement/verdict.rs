@@ -173,8 +173,10 @@ pub(crate) fn judge_prediction(
         ));
     }
     let Some(drawing) = drawing else { return };
-    if position && predicted.position_rms >= drawing.position_rms
-        || rotation && predicted.rotation_rms >= drawing.rotation_rms
+    // A platform that cannot turn is not expected to, by either.
+    let no_better = |predicted: f64, drawn: f64| drawn > 0.0 && predicted >= drawn;
+    if position && no_better(predicted.position_rms, drawing.position_rms)
+        || rotation && no_better(predicted.rotation_rms, drawing.rotation_rms)
     {
         verdict.distrust(format!(
             "the data tell little that the drawing does not: the predicted error is {}, that of the drawing with its \

@@ -70,6 +70,11 @@ fn positive(leg: usize, what: &str, value: f64) -> Result<(), GeometryError> {
     Err(GeometryError::Outline(format!("leg {}: `{what}` must be positive, found {value}", leg + 1)))
 }
 
+/// `1 rod`, `3 rods`.
+fn rods_in_words(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "rod" } else { "rods" })
+}
+
 /// Refuses a wrong number of legs.
 fn count(kind: &str, what: &str, expected: usize, found: usize) -> Result<(), GeometryError> {
     if expected == found {

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Tolerances, count, positive, unit};
+use super::{Tolerances, count, positive, rods_in_words, unit};
 use crate::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
 use crate::mechanism::{GeometryError, ParameterRole};
 use crate::pose::Pose;
@@ -106,9 +106,10 @@ impl RotaryDelta {
         for motor in 0..3 {
             let mine: Vec<usize> = (0..RODS).filter(|k| rods[*k].0 == motor).collect();
             let [first, other] = mine[..] else {
-                let (number, found) = (motor + 1, mine.len());
                 return Err(GeometryError::Outline(format!(
-                    "motor {number} has {found} rods; a rotary delta has two on each of three motors"
+                    "motor {} has {}; a rotary delta has two on each of three motors",
+                    motor + 1,
+                    rods_in_words(mine.len())
                 )));
             };
             let (a, b) = (&rods[first].1, &rods[other].1);

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Tolerances, count, positive, unit};
+use super::{Tolerances, count, positive, rods_in_words, unit};
 use crate::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
 use crate::mechanism::{GeometryError, ParameterRole};
 use crate::pose::Pose;
@@ -107,9 +107,8 @@ impl RodsOnRails {
         for carriage in 0..carriages {
             let mine: Vec<usize> = (0..RODS).filter(|k| rods[*k].carriage == carriage).collect();
             if mine.len() != RODS / carriages {
-                let (number, found) = (carriage + 1, mine.len());
-                let rods = if found == 1 { "rod" } else { "rods" };
-                return Err(GeometryError::Outline(format!("carriage {number} has {found} {rods}; {shared}")));
+                let (number, found) = (carriage + 1, rods_in_words(mine.len()));
+                return Err(GeometryError::Outline(format!("carriage {number} has {found}; {shared}")));
             }
             let first = mine[0];
             for other in &mine[1..] {
