@@ -29,6 +29,8 @@ pub enum Dimension {
     AnglePerKelvin,
     /// Curvature: one over a length.
     PerLength,
+    /// One over an angle.
+    PerAngle,
     /// Metres per newton.
     Compliance,
     /// Length per angle.
@@ -51,6 +53,7 @@ impl Dimension {
             Self::LengthPerKelvin => "m/K",
             Self::AnglePerKelvin => "rad/K",
             Self::PerLength => "1/m",
+            Self::PerAngle => "1/rad",
             Self::Compliance => "m/N",
             Self::LengthPerAngle => "m/rad",
             Self::None => "1",
@@ -236,6 +239,7 @@ pub fn show_quantity(value: f64, dimension: Dimension) -> String {
         Dimension::Angle => show_angle(value),
         Dimension::None => show_part(value, ""),
         Dimension::PerKelvin => show_part(value, "/K"),
+        Dimension::PerAngle => show_part(value, "/rad"),
         Dimension::AnglePerKelvin => format!("{}/K", show_angle(value)),
         Dimension::LengthPerKelvin => show_lengths_per(value, "K"),
         Dimension::LengthPerAngle => show_lengths_per(value, "rad"),
@@ -355,6 +359,7 @@ mod tests {
             (8.6e-4, Dimension::LengthPerAngle, "860 um/rad"),
             (1e-4_f64.to_radians(), Dimension::AnglePerKelvin, "0.360 arcsec/K"),
             (0.0098, Dimension::PerLength, "0.00980 um/mm2"),
+            (-3.4e-5, Dimension::PerAngle, "-34.0 ppm/rad"),
         ];
         for (value, dimension, text) in shown {
             assert_eq!(show_quantity(value, dimension), text);

@@ -112,6 +112,8 @@ pub struct AvailableData {
     pub moves: Vec<f64>,
     /// Number of samples.
     pub samples: usize,
+    /// True if nothing but heights over a plane was measured.
+    pub heights_only: bool,
 }
 
 impl AvailableData {
@@ -135,6 +137,7 @@ impl AvailableData {
             run: data.iter().all(|s| s.conditions.run.is_some()),
             moves,
             samples: data.len(),
+            heights_only: data.heights_only(),
         }
     }
 

@@ -14,13 +14,20 @@ impl AvailableData {
         let sensors = context.environment.sensors.iter().map(|s| s.covariate.clone());
         let own = at.covariate.clone().into_iter().chain(effect.covariates(at));
         let covariates = known.chain(sensors).chain(own).collect();
-        Self { covariates, gravity: true, run: true, moves: all_moves(), samples: usize::MAX }
+        Self { covariates, gravity: true, run: true, moves: all_moves(), samples: usize::MAX, heights_only: false }
     }
 
     /// The data of one state; the history of the joints is taken as known.
     pub fn of_state(state: &Conditions) -> Self {
         let covariates = state.covariates.keys().cloned().collect();
-        Self { covariates, gravity: state.gravity.is_some(), run: true, moves: all_moves(), samples: 1 }
+        Self {
+            covariates,
+            gravity: state.gravity.is_some(),
+            run: true,
+            moves: all_moves(),
+            samples: 1,
+            heights_only: false,
+        }
     }
 }
 

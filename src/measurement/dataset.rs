@@ -132,6 +132,15 @@ impl Dataset {
         self.model.row_of_each(self.kept[k])
     }
 
+    /// True if no reading says where anything is, and some say how high.
+    pub fn heights_only(&self) -> bool {
+        let places = |k: usize| {
+            let (model, index) = self.reading(k);
+            model.rigid_pose(index).is_some() || model.point(index).is_some() || !model.points(index).is_empty()
+        };
+        self.row_count() > 0 && !(0..self.len()).any(places)
+    }
+
     /// Kinds of the rows of the `k`-th kept sample.
     pub fn rows(&self, k: usize) -> Vec<RowKind> {
         self.model.rows(self.kept[k])

@@ -12,6 +12,7 @@ mod effect;
 mod files;
 mod identification;
 mod law;
+mod measured;
 mod measurement;
 mod mechanism;
 #[cfg(feature = "cli")]

@@ -4,7 +4,7 @@ use crate::conditions::{Commanded, ConditionTable, Extent, Role, TIME, of_leg};
 use crate::diagnosis::answer::unknown::COORDINATES;
 use crate::diagnosis::linear::hypotheses::Hypotheses;
 use crate::diagnosis::linear::unit_motion::Place;
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, Rows};
 use crate::mechanism::{ForwardQuery, Mechanism, characteristic_length};
 use crate::pose::{Pose, PoseConvention};
 
@@ -128,7 +128,21 @@ fn coordinates_of_pose(mechanism: &dyn Mechanism, data: &Dataset) -> Vec<Covaria
         let values = || seen.iter().map(|q| q[*k]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min) > MOVES * sizes[k / 3]
     };
-    (0..6).filter(moves).flat_map(of).collect()
+    let read = height_is_along(data, &poses[0]);
+    (0..6).filter(|k| !read[*k]).filter(moves).flat_map(of).collect()
+}
+
+/// The coordinates along which heights are measured, where nothing else is: a machine that went down until it touched stands
+/// there because of its errors, and the commanded coordinate is the reading itself.
+fn height_is_along(data: &Dataset, pose: &Pose) -> [bool; 6] {
+    if !data.heights_only() {
+        return [false; 6];
+    }
+    let own: Vec<f64> = data.model().nuisance_parameters().iter().map(|_| 0.0).collect();
+    let mut rows = Rows::sized(data.rows(0).len(), own.len());
+    data.evaluate(0, pose, &own, &mut rows);
+    let turns = rows.motion.row(0).columns(0, 3).amax();
+    std::array::from_fn(|k| k < 3 && rows.motion[(0, k)].abs() > 0.5 * turns)
 }
 
 /// Part of the size of the platform (or of a radian) by which a coordinate must change.

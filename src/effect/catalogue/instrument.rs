@@ -27,6 +27,15 @@ fn needs_joints(context: &EffectContext<'_>) -> Vec<String> {
     if context.is_pose_space() { vec!["joints other than the coordinates of the pose".into()] } else { Vec::new() }
 }
 
+/// And something must say where the platform is: an instrument that is moved until it touches reads nothing but zero.
+fn needs_places(context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+    let mut missing = needs_joints(context);
+    if available.heights_only {
+        missing.push("poses or points; heights over a plane are not enough".into());
+    }
+    missing
+}
+
 fn parameters(names: &[&str], dimension: Dimension, scale: f64) -> Vec<EffectParameter> {
     names.iter().map(|name| EffectParameter::new(*name, dimension, scale)).collect()
 }
@@ -52,8 +61,8 @@ impl Effect for InstrumentScale {
         ActsOn::Measurement
     }
 
-    fn missing(&self, context: &EffectContext<'_>, _available: &AvailableData) -> Vec<String> {
-        needs_joints(context)
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        needs_places(context, available)
     }
 
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {
@@ -99,8 +108,8 @@ impl Effect for InstrumentRotationGain {
         ActsOn::Measurement
     }
 
-    fn missing(&self, context: &EffectContext<'_>, _available: &AvailableData) -> Vec<String> {
-        let mut missing = needs_joints(context);
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        let mut missing = needs_places(context, available);
         if !context.mechanism.controlled()[3..].contains(&true) {
             missing.push("a platform that turns".into());
         }
@@ -150,8 +159,8 @@ impl Effect for InstrumentSkew {
         ActsOn::Measurement
     }
 
-    fn missing(&self, context: &EffectContext<'_>, _available: &AvailableData) -> Vec<String> {
-        needs_joints(context)
+    fn missing(&self, context: &EffectContext<'_>, available: &AvailableData) -> Vec<String> {
+        needs_places(context, available)
     }
 
     fn parameters(&self, _setting: &EffectContext<'_>) -> Vec<EffectParameter> {

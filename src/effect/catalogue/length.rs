@@ -93,16 +93,20 @@ pub struct LengthQuadratic;
 impl Effect for LengthQuadratic {
     describe!(
         "length.quadratic",
-        "the true length of a leg is not linear in the commanded one: a nonlinear encoder or screw",
+        "the true coordinate of a joint is not linear in the commanded one: a nonlinear encoder or screw, or a drum whose \
+         radius grows as it is wound",
         "calibrate the encoders against a linear reference, or enter the curvature in the controller"
     );
 
     fn missing(&self, context: &EffectContext<'_>, _recorded: &AvailableData) -> Vec<String> {
-        if context.joints_are_lengths() { needs_legs(context) } else { vec!["legs of variable length".into()] }
+        needs_legs(context)
     }
 
     fn parameters(&self, context: &EffectContext<'_>) -> Vec<EffectParameter> {
-        per_leg(context, "curvature", Dimension::PerLength, 5e-2)
+        match context.joints_are_lengths() {
+            true => per_leg(context, "curvature", Dimension::PerLength, 5e-2),
+            false => per_leg(context, "curvature", Dimension::PerAngle, 1e-4),
+        }
     }
 
     fn covariates(&self, at: &ScanPoint) -> Vec<String> {

@@ -6,7 +6,7 @@ mod tests;
 use std::f64::consts::TAU;
 
 use crate::diagnosis::{Cause, CauseParameter, Diagnosis, Rival};
-use crate::units::{Dimension, show_length, show_quantity};
+use crate::units::{Dimension, show_angle, show_length, show_quantity};
 
 /// Travel at which a bent scale is stated, m; tilt at which a shift of joint centres is stated, rad.
 const TRAVEL: f64 = 0.01;
@@ -108,11 +108,14 @@ fn scales(told: &Told<'_>) -> Option<String> {
         }
         "length.quadratic" => {
             let (worst, p) = largest(joints, &c.parameters);
+            let of_angles = c.parameters.iter().any(|p| p.dimension == Dimension::PerAngle);
+            let (bent, travel) = match of_angles {
+                true => (show_angle(p.abs() * TAU * TAU), "one turn".to_owned()),
+                false => (show_length(p.abs() * TRAVEL * TRAVEL), show_length(TRAVEL)),
+            };
             format!(
-                "The scales of the legs are bent, most of all that of {worst}, by {} at {} from home: calibrate the \
-                 encoders against a linear reference, or enter the curvature in the controller.",
-                show_length(p.abs() * TRAVEL * TRAVEL),
-                show_length(TRAVEL)
+                "The scales of the legs are bent, most of all that of {worst}, by {bent} at {travel} from home: calibrate the \
+                 encoders against a linear reference, or enter the curvature in the controller."
             )
         }
         "cyclic.pitch" => {
