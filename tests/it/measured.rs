@@ -7,12 +7,12 @@ use crate::common::asked::said;
 // Its `main` is not called here.
 #[allow(dead_code, unreachable_pub)]
 #[path = "../../examples/measured.rs"]
-mod measured;
+mod bench;
 
 #[test]
 fn mirrors_sag_and_slip_as_they_were_measured() {
     for name in ["primary", "secondary"] {
-        let found = measured::mirror(name).unwrap();
+        let found = bench::mirror(name).unwrap();
         assert_eq!(found.verdict, Verdict::Unknown, "{name}: {}", said(&found));
         assert!(found.causes.iter().any(|c| c.effect == "sag.linear"), "{name}: {}", said(&found));
         // The end of the range, which was measured once.
@@ -27,8 +27,8 @@ fn mirrors_sag_and_slip_as_they_were_measured() {
 
 #[test]
 fn winches_of_a_cable_robot_are_found_with_all_positions_and_with_nine() {
-    let [before, after, held_out] = measured::winches().unwrap();
+    let [before, after, held_out] = bench::winches().unwrap();
     assert!(before > 10.0 && after < 3.5 && held_out < 4.0, "{before} {after} {held_out}");
-    let missed = measured::nine_positions().unwrap();
+    let missed = bench::nine_positions().unwrap();
     assert!(missed < 6.0, "{missed}");
 }

@@ -1,5 +1,6 @@
 //! One mechanism of each closure-defined kind, and the paper's mechanism as a closure.
 
+use paracal::files::Machine;
 use paracal::mechanism::closure::{Closure, ClosureMechanism, Column, Outline, Real, State, length};
 use paracal::mechanism::kinds::{
     Cable, CrankLeg, HingedLeg, LinearDelta, PlanarCables, Rod, RodsOnCranks, RodsOnRails, RotaryStewart, Segment,
@@ -151,8 +152,14 @@ pub fn all() -> Vec<(Box<dyn paracal::mechanism::Mechanism>, Workspace)> {
         about(&home(&c), [0.3, 0.3, 0.0, 0.0, 0.0, 0.2]),
     ];
     let kinds: [Box<dyn paracal::mechanism::Mechanism>; 4] = [Box::new(r), Box::new(d), Box::new(t), Box::new(c)];
-    let of_files = ["rotary-delta", "six-carriages", "cables", "delta-printer"].map(|name| {
-        let machine = super::machine(name);
+    let of_files = [
+        include_str!("../../../mechanisms/rotary-delta.toml"),
+        include_str!("../../../mechanisms/six-carriages.toml"),
+        include_str!("../../../mechanisms/cables.toml"),
+        include_str!("../../../mechanisms/delta-printer.toml"),
+    ]
+    .map(|text| {
+        let machine = Machine::from_text(text, "m.toml".as_ref()).unwrap();
         (machine.mechanism, machine.workspace.unwrap())
     });
     kinds.into_iter().zip(boxes).chain(of_files).collect()

@@ -201,7 +201,7 @@ impl Planted {
             "step.leg" if k >= self.row => joints[self.joint] += t(0),
             "axis.scale" => joints[self.joint] += t(0) * travel(self.joint),
             "axis.backlash" => {
-                joints[self.joint] += 0.5 * t(0) * (row.commanded[self.joint] - row.before[self.joint]).signum()
+                joints[self.joint] += 0.5 * t(0) * (row.commanded[self.joint] - row.before[self.joint]).signum();
             }
             _ => {}
         }
@@ -254,19 +254,18 @@ fn run(machine: Other, n: usize, rng: &mut ChaCha8Rng) -> Vec<Row> {
             let mut unit = |half: f64| half * rng.random_range(-1.0..1.0);
             let q = match machine {
                 Other::Delta => home + Vector6::new(unit(0.09), unit(0.09), unit(0.07), 0.0, 0.0, 0.0),
-                Other::Positioner => Vector6::from_fn(|k, _| unit(if k < 3 { 5e-3 } else { 5e-3 })),
+                Other::Positioner => Vector6::from_fn(|_, _| unit(5e-3)),
             };
             let commanded = machine.joints(&q);
             wander = 0.9 * wander + 0.4 * normal(rng);
             let elapsed = k as f64 / (n - 1) as f64;
-            let row = Row {
+            Row {
                 elapsed,
                 before: std::mem::replace(&mut before, commanded.clone()),
                 commanded,
                 temperature: 2.0 * (9.0 * elapsed).sin() + wander,
                 elevation: rng.random_range(20_f64..85.0).to_radians(),
-            };
-            row
+            }
         })
         .collect();
     let mean = rows.iter().map(|row| row.temperature).sum::<f64>() / n as f64;
