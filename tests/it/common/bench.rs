@@ -78,10 +78,10 @@ impl Bench {
     /// The bundled files where the documentation names them: `mechanisms/` and `examples/data/`.
     pub fn project() -> Self {
         let bench = Self::empty();
-        for name in ["mechanisms", "examples/data"] {
+        for name in ["mechanisms", "examples/data", "examples/data/hangprinter", "examples/data/so-lat"] {
             fs::create_dir_all(bench.at(name)).unwrap();
-            for entry in fs::read_dir(super::path(name)).unwrap() {
-                let from = entry.unwrap().path();
+            let entries = fs::read_dir(super::path(name)).unwrap().map(|entry| entry.unwrap().path());
+            for from in entries.filter(|path| path.is_file()) {
                 fs::copy(&from, bench.at(name).join(from.file_name().unwrap())).unwrap();
             }
         }
